@@ -1,0 +1,19 @@
+// The sub-commands of vdna. Each function adds one to the command line; its callback does the
+// work and throws vdna::Error to end with a sentence and an exit code.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace vdna
+{
+
+void add_build(CLI::App &app);
+void add_calibrate(CLI::App &app);
+void add_info(CLI::App &app);
+void add_rank(CLI::App &app);
+void add_localise(CLI::App &app);
+void add_play(CLI::App &app);
+void add_watch(CLI::App &app);
+void add_simulate(CLI::App &app);
+
+} // namespace vdna

@@ -1,0 +1,28 @@
+# vdna_build_flags - how our own code is compiled; linked privately, so users never inherit it.
+add_library(vdna_build_flags INTERFACE)
+target_compile_options(vdna_build_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+  $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>
+  # The same counts must give the same bits on every machine: no fused multiply-add.
+  -ffp-contract=off
+  $<$<BOOL:${VDNA_WERROR}>:-Werror>)
+if(VDNA_SANITIZE)
+  target_compile_options(vdna_build_flags INTERFACE -fsanitize=${VDNA_SANITIZE}
+    -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  # PUBLIC to every executable: a sanitized library needs its runtime at link time.
+  add_link_options(-fsanitize=${VDNA_SANITIZE})
+endif()
+
+# Settings that all our libraries share.
+function(vdna_library target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "ALIAS;OUTPUT_NAME" "HEADERS")
+  add_library(vdna::${arg_ALIAS} ALIAS ${target})
+  target_sources(${target} PUBLIC FILE_SET HEADERS
+    BASE_DIRS "${PROJECT_SOURCE_DIR}/lib/include" FILES ${arg_HEADERS})
+  target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:vdna_build_flags>)
+  set_target_properties(${target} PROPERTIES
+    OUTPUT_NAME ${arg_OUTPUT_NAME} EXPORT_NAME ${arg_ALIAS}
+    C_STANDARD 99 C_EXTENSIONS OFF CXX_STANDARD 17 CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF
+    C_VISIBILITY_PRESET hidden CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+    POSITION_INDEPENDENT_CODE ON VERIFY_INTERFACE_HEADER_SETS ON)
+endfunction()

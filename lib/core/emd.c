@@ -1,0 +1,124 @@
+#include <string.h>
+#include <vdna/emd.h>
+
+/* Working memory: per neuron the running difference of the cumulative counts, and its sum. */
+typedef struct work {
+    int64_t *difference; /* [neurons], cumulative P * mass_q - cumulative Q * mass_p so far */
+    int64_t *sum;        /* [neurons], sum of its absolute values so far */
+} work;
+
+/* see vdna/emd.h */
+size_t vdna_emd_scratch_size(uint32_t neurons)
+{
+    const uint64_t size = (uint64_t)neurons * 2 * sizeof(int64_t);
+    return size <= SIZE_MAX / 2 ? (size_t)size : 0;
+}
+
+static int is_view(const vdna_hist_view *view)
+{
+    return view && view->range && view->counts && view->mass && view->neurons > 0 &&
+           view->bins >= VDNA_HIST_BINS_MIN && view->bins <= VDNA_HIST_BINS_MAX;
+}
+
+/* Every value of a sum is at most mass_p * mass_q, and the last bin adds nothing, because both
+ * cumulative histograms end at 1. */
+static vdna_status check_masses(const vdna_hist_view *p, const vdna_hist_view *q)
+{
+    const uint64_t most = (uint64_t)INT64_MAX / (p->bins - 1);
+    for (size_t n = 0; n < p->neurons; n++) {
+        if (p->mass[n] == 0 || q->mass[n] == 0)
+            return VDNA_ERR_EMPTY;
+        if ((uint64_t)p->mass[n] * q->mass[n] > most)
+            return VDNA_ERR_OVERFLOW;
+    }
+    return VDNA_OK;
+}
+
+static vdna_status check_pair(const vdna_hist_view *p, const vdna_hist_view *q, const void *scratch,
+                              size_t scratch_size)
+{
+    if (!is_view(p) || !is_view(q) || !scratch || (uintptr_t)scratch % sizeof(int64_t) != 0)
+        return VDNA_ERR_ARG;
+    if (p->neurons != q->neurons || p->bins != q->bins)
+        return VDNA_ERR_MISMATCH;
+    const size_t needed = vdna_emd_scratch_size(p->neurons);
+    if (needed == 0 || scratch_size < needed)
+        return VDNA_ERR_NOMEM;
+    if (p->range != q->range &&
+        memcmp(p->range, q->range, 2 * sizeof(float) * (size_t)p->neurons) != 0)
+        return VDNA_ERR_MISMATCH;
+    return check_masses(p, q);
+}
+
+/* The exact sums of all neurons. Row by row: each row is one pass over memory that vectorises. */
+static void sum_rows(const vdna_hist_view *p, const vdna_hist_view *q, const work *w)
+{
+    const size_t neurons = p->neurons;
+    int64_t *restrict difference = w->difference;
+    int64_t *restrict sum = w->sum;
+    memset(difference, 0, neurons * sizeof *difference);
+    memset(sum, 0, neurons * sizeof *sum);
+
+    for (size_t b = 0; b + 1 < p->bins; b++) {
+        const uint32_t *restrict row_p = p->counts + b * neurons;
+        const uint32_t *restrict row_q = q->counts + b * neurons;
+        for (size_t n = 0; n < neurons; n++) {
+            const uint64_t moved_p = (uint64_t)row_p[n] * q->mass[n];
+            const uint64_t moved_q = (uint64_t)row_q[n] * p->mass[n];
+            const int64_t d = difference[n] + (int64_t)(moved_p - moved_q);
+            difference[n] = d;
+            sum[n] += d < 0 ? -d : d;
+        }
+    }
+}
+
+static vdna_status exact_sums(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
+                              size_t scratch_size, work *out_work)
+{
+    const vdna_status status = check_pair(p, q, scratch, scratch_size);
+    if (status != VDNA_OK)
+        return status;
+    out_work->difference = scratch;
+    out_work->sum = out_work->difference + p->neurons;
+    sum_rows(p, q, out_work);
+    return VDNA_OK;
+}
+
+/* The one division of a neuron's distance. */
+static double emd_of(const vdna_hist_view *p, const vdna_hist_view *q, const work *w, size_t n)
+{
+    const uint64_t mass = (uint64_t)p->mass[n] * q->mass[n];
+    return (double)w->sum[n] / (double)mass;
+}
+
+/* see vdna/emd.h */
+vdna_status vdna_emd(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
+                     size_t scratch_size, double *out_emd_bins)
+{
+    if (!out_emd_bins)
+        return VDNA_ERR_ARG;
+    work w;
+    const vdna_status status = exact_sums(p, q, scratch, scratch_size, &w);
+    if (status != VDNA_OK)
+        return status;
+    for (size_t n = 0; n < p->neurons; n++)
+        out_emd_bins[n] = emd_of(p, q, &w, n);
+    return VDNA_OK;
+}
+
+/* see vdna/emd.h */
+vdna_status vdna_emd_mean(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
+                          size_t scratch_size, double *out_distance_bins)
+{
+    if (!out_distance_bins)
+        return VDNA_ERR_ARG;
+    work w;
+    const vdna_status status = exact_sums(p, q, scratch, scratch_size, &w);
+    if (status != VDNA_OK)
+        return status;
+    double total = 0;
+    for (size_t n = 0; n < p->neurons; n++)
+        total += emd_of(p, q, &w, n);
+    *out_distance_bins = total / p->neurons;
+    return VDNA_OK;
+}

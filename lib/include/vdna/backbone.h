@@ -1,0 +1,93 @@
+/** @file vdna/backbone.h
+ *  @brief A frozen network: picture in; activations, embedding and mean grey level out.
+ *
+ *  Which network, how its input is prepared and which outputs are tapped is said by a manifest
+ *  (models/NAME.toml); nothing here knows a network by name. ONNX Runtime is loaded with dlopen
+ *  when a backbone is opened. The border is message-like on purpose: no state is shared with the
+ *  caller between two calls.
+ */
+#ifndef VDNA_BACKBONE_H
+#define VDNA_BACKBONE_H
+
+#include <vdna/activation.h>
+#include <vdna/image.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** An open network. One thread at a time, except for vdna_backbone_cancel(). */
+typedef struct vdna_backbone vdna_backbone;
+
+/** How to open one. Fill with vdna_backbone_config_init(), then set `manifest`. */
+typedef struct vdna_backbone_config {
+    uint32_t struct_size; /**< bytes of this struct, set by vdna_backbone_config_init() */
+    uint32_t threads;     /**< compute threads of the network, >= 1; default 2 */
+    const char *manifest; /**< path of a TOML manifest (with a '/' or ending in ".toml"; paths
+                               within it are relative to it), or the bare name of one in
+                               $VDNA_MODELS, the directory given at build time, or the system's */
+    const char *runtime;  /**< path of libonnxruntime.so; NULL = $VDNA_ONNXRUNTIME, then the path
+                               given at build time, then the system's (default) */
+} vdna_backbone_config;
+
+/** What an open network is. The texts are what an experience file carries. */
+typedef struct vdna_backbone_info {
+    char name[64];           /**< from the manifest */
+    char model_sha256[65];   /**< of the ONNX file, checked when it was opened */
+    char preprocessing[512]; /**< canonical: everything that shapes the network's input */
+    char taps[512];          /**< "NAME:NEURONS:SAMPLES[,...]" */
+    char runtime[64];        /**< "onnxruntime 1.28.0" */
+    uint32_t tap_count;      /**< >= 1 */
+    uint32_t neurons;        /**< of all taps */
+    uint32_t dim;            /**< numbers in an embedding */
+    uint32_t input_width;    /**< pixels */
+    uint32_t input_height;   /**< pixels */
+} vdna_backbone_info;
+
+/** What one picture gave. All pointers are borrowed until the next call with this backbone. */
+typedef struct vdna_backbone_frame {
+    const vdna_activations *taps; /**< [tap_count] */
+    const float *embedding;       /**< [dim], L2-normalised if the manifest says so */
+    size_t tap_count;             /**< as in vdna_backbone_info */
+    uint32_t dim;                 /**< as in vdna_backbone_info */
+    float grey;                   /**< mean grey level of the whole picture, 0..255 (BT.601) */
+    uint32_t decode_us;           /**< time spent decoding and converting */
+    uint32_t resize_us;           /**< time spent resizing and normalising */
+    uint32_t inference_us;        /**< time spent in the network */
+} vdna_backbone_frame;
+
+/** Write the defaults: two threads, runtime found by itself; the caller must set `manifest`. */
+VDNA_API void vdna_backbone_config_init(vdna_backbone_config *config);
+
+/** Open a network: read the manifest, check the model's SHA-256, load the runtime, bind inputs and
+ *  outputs, run once on a grey picture so that later calls are warm.
+ *  @param error  filled on failure; NULL = not wanted
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT (manifest); VDNA_ERR_CHECKSUM
+ * (model); VDNA_ERR_MISMATCH (a tap or shape the model does not have); VDNA_ERR_UNSUPPORTED
+ * (runtime too old); VDNA_ERR_RUNTIME; VDNA_ERR_NOMEM */
+VDNA_API vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *error,
+                                        vdna_backbone **out_backbone);
+
+/** Close; everything borrowed from it ends. NULL is allowed. */
+VDNA_API void vdna_backbone_close(vdna_backbone *backbone);
+
+/** Describe an open network. */
+VDNA_API void vdna_backbone_describe(const vdna_backbone *backbone, vdna_backbone_info *out_info);
+
+/** Run one picture.
+ *  @param image  any content; checked in full before a byte of it is used
+ *  @param error  filled on failure; NULL = not wanted
+ *  @return VDNA_OK; VDNA_ERR_FORMAT if the picture cannot be decoded; VDNA_ERR_UNSUPPORTED for an
+ *          unknown pixel format or a picture too large; VDNA_ERR_NONFINITE if the network gave a
+ *          NaN or an infinity; VDNA_ERR_RUNTIME, also after vdna_backbone_cancel() */
+VDNA_API vdna_status vdna_backbone_run(vdna_backbone *backbone, const vdna_image *image,
+                                       vdna_error *error, vdna_backbone_frame *out_frame);
+
+/** End a vdna_backbone_run() in progress early, and refuse all later ones. Any thread. */
+VDNA_API void vdna_backbone_cancel(vdna_backbone *backbone);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,41 @@
+/** @file vdna/emd.h
+ *  @brief Earth Mover's Distance between histograms, exact.
+ *
+ *  Per neuron: the sum over the bins of |P[b] - Q[b]|, P and Q being the cumulative counts divided
+ *  by their mass. Its unit is bins: moving every sample by k bins gives k. It is summed in
+ *  integers and divided once, so the same counts give the same bits on every machine.
+ */
+#ifndef VDNA_EMD_H
+#define VDNA_EMD_H
+
+#include <vdna/hist.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Bytes of working memory for histograms of `neurons` neurons; 0 if they are too many to
+ *  address. The block may be used again for any call. */
+VDNA_API size_t vdna_emd_scratch_size(uint32_t neurons);
+
+/** Distance of each neuron.
+ *  @param p, q     same shape and same range values
+ *  @param scratch  aligned for int64_t, vdna_emd_scratch_size() bytes, overwritten
+ *  @param out_emd_bins  [neurons], 0..bins-1
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NOMEM if the scratch is too small; VDNA_ERR_MISMATCH if
+ *          shapes or ranges differ; VDNA_ERR_EMPTY if a neuron has no samples; VDNA_ERR_OVERFLOW
+ *          if mass_p * mass_q * (bins - 1) passes INT64_MAX for a neuron */
+VDNA_API vdna_status vdna_emd(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
+                              size_t scratch_size, double *out_emd_bins);
+
+/** Distance D(p, q) of two Visual DNAs: the mean over their neurons, in bins.
+ *  @param out_distance_bins  one number
+ *  @return as vdna_emd() */
+VDNA_API vdna_status vdna_emd_mean(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
+                                   size_t scratch_size, double *out_distance_bins);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,93 @@
+/** @file vdna/hist.h
+ *  @brief Fixed-bin activation histograms: the "Visual DNA" of a set of pictures.
+ *
+ *  A histogram counts, per neuron, how often its activation fell into each of `bins` equal bins
+ *  of its range: with x = (a - mid) / half clamped to -1..1, in double precision,
+ *  bin = min(bins - 1, floor((x + 1) * bins / 2)). Its size does not depend on the number of
+ *  frames, and its counts do not depend on their order or on how they were batched.
+ *
+ *  Counts are bin-major, [bins][neurons], so that a pass over the bins runs over all neurons at
+ *  once and compilers vectorise it.
+ */
+#ifndef VDNA_HIST_H
+#define VDNA_HIST_H
+
+#include <vdna/activation.h>
+#include <vdna/range.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define VDNA_HIST_BINS_DEFAULT 1000u /**< as in the paper and its reference package */
+#define VDNA_HIST_BINS_MIN 2u
+#define VDNA_HIST_BINS_MAX 65536u
+
+/** Shape of a histogram. Fill with vdna_hist_config_init(), then set `neurons` and `range`. */
+typedef struct vdna_hist_config {
+    uint32_t struct_size; /**< bytes of this struct, set by vdna_hist_config_init() */
+    uint32_t neurons;     /**< >= 1, of all taps together: 768 for Mugs ViT-B/16 */
+    uint32_t bins;        /**< VDNA_HIST_BINS_MIN..VDNA_HIST_BINS_MAX */
+    const float *range;   /**< [neurons][2], passes vdna_range_check(); borrowed as long as the
+                               histogram is in use */
+} vdna_hist_config;
+
+/** One histogram. Defined here so that it can sit anywhere; read the fields, never write them. */
+typedef struct vdna_hist {
+    const float *range;  /**< [neurons][2], the caller's */
+    uint32_t *counts;    /**< [bins][neurons], inside the caller's block */
+    uint32_t *mass;      /**< [neurons], samples counted per neuron, inside the caller's block */
+    uint32_t *saturated; /**< [neurons], samples beyond the range (they land in an edge bin) */
+    uint32_t neurons;
+    uint32_t bins;
+    uint32_t frames; /**< frames added, less frames subtracted */
+} vdna_hist;
+
+/** A histogram to read: of a vdna_hist, of a mapped experience file, of the caller's own making.
+ *  All pointers are borrowed. */
+typedef struct vdna_hist_view {
+    const float *range;     /**< [neurons][2] */
+    const uint32_t *counts; /**< [bins][neurons] */
+    const uint32_t *mass;   /**< [neurons], the sum of each neuron's counts */
+    uint32_t neurons;
+    uint32_t bins;
+} vdna_hist_view;
+
+/** Write the defaults: 1000 bins; neurons = 0 and range = NULL, which the caller must set. */
+VDNA_API void vdna_hist_config_init(vdna_hist_config *config);
+
+/** Bytes that vdna_hist_init() needs; 0 if neurons or bins are out of range. */
+VDNA_API size_t vdna_hist_mem_size(const vdna_hist_config *config);
+
+/** Make an empty histogram in `mem`, which must stay valid while `out_hist` is in use.
+ *  @param mem  aligned for uint32_t, `mem_size` bytes
+ *  @return VDNA_OK; VDNA_ERR_ARG for a bad config or alignment; VDNA_ERR_NOMEM if too small */
+VDNA_API vdna_status vdna_hist_init(const vdna_hist_config *config, void *mem, size_t mem_size,
+                                    vdna_hist *out_hist);
+
+/** Count one frame. After an error the histogram is unchanged: a frame counts whole or not at all.
+ *  @param taps  [tap_count]; their neurons, one tap after the other, are the histogram's neurons
+ *  @return VDNA_OK; what vdna_activations_check() returns; VDNA_ERR_FULL if a mass or the number
+ *          of frames would pass UINT32_MAX */
+VDNA_API vdna_status vdna_hist_add(vdna_hist *hist, const vdna_activations *taps, size_t tap_count);
+
+/** Add all of `other`: hist(A + B) = hist(A) + hist(B), exactly. Unchanged after an error.
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_MISMATCH if shapes or ranges differ; VDNA_ERR_FULL */
+VDNA_API vdna_status vdna_hist_merge(vdna_hist *hist, const vdna_hist *other);
+
+/** Take `other` out again, exactly. Unchanged after an error.
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_MISMATCH if shapes or ranges differ;
+ *          VDNA_ERR_UNDERFLOW if `other` holds anything that `hist` does not */
+VDNA_API vdna_status vdna_hist_subtract(vdna_hist *hist, const vdna_hist *other);
+
+/** Forget all samples; shape and range stay. */
+VDNA_API void vdna_hist_reset(vdna_hist *hist);
+
+/** Look at a histogram; the view follows later changes. */
+VDNA_API void vdna_hist_view_of(const vdna_hist *hist, vdna_hist_view *out_view);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

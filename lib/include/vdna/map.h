@@ -1,0 +1,93 @@
+/** @file vdna/map.h
+ *  @brief Experience files: one recorded traversal each, read by mmap without a copy, written
+ *         crash-safely. A map is a directory of them.
+ *
+ *  The format is docs/SPEC-map.md: the safetensors layout, with checksums and metadata of ours.
+ */
+#ifndef VDNA_MAP_H
+#define VDNA_MAP_H
+
+#include <vdna/hist.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define VDNA_MAP_FORMAT 1u         /**< version of the experience file format */
+#define VDNA_MAP_EXTENSION ".vdna" /**< file name ending of an experience */
+#define VDNA_MAP_NAME_SIZE 64u     /**< bytes of a name, its NUL included */
+#define VDNA_MAP_TEXT_SIZE 512u    /**< bytes of a longer text, its NUL included */
+#define VDNA_MAP_SHA256_SIZE 65u   /**< 64 lower-case hexadecimal digits and a NUL */
+
+/** One experience. Reading fills it; to write one, fill it and call vdna_experience_write(). */
+typedef struct vdna_experience {
+    char
+        name[VDNA_MAP_NAME_SIZE]; /**< of the traversal: "winter"; letters, digits, '.', '_', '-' */
+    char backbone[VDNA_MAP_NAME_SIZE];       /**< name in the backbone's manifest; same alphabet */
+    char model_sha256[VDNA_MAP_SHA256_SIZE]; /**< of the ONNX file */
+    char preprocessing[VDNA_MAP_TEXT_SIZE];  /**< canonical text from the backbone */
+    char taps[VDNA_MAP_TEXT_SIZE]; /**< "NAME:NEURONS:SAMPLES[,...]" in the order of the neurons */
+    char comparable[VDNA_MAP_SHA256_SIZE]; /**< SHA-256 over everything that must agree for two
+                                                experiences to compare; the writer computes it */
+    uint32_t neurons;                      /**< of all taps */
+    uint32_t bins;                         /**< VDNA_HIST_BINS_MIN..VDNA_HIST_BINS_MAX */
+    uint32_t frames;                       /**< >= 1 */
+    uint32_t dim;                          /**< numbers in an embedding */
+    const float *range;                    /**< [neurons][2] */
+    const uint32_t *counts;                /**< [bins][neurons] */
+    const uint32_t *mass;                  /**< [neurons], sums of the counts */
+    const float *embeddings;               /**< [frames][dim], finite */
+    const int64_t *frame_utime;            /**< [frames], camera stamps in microseconds */
+    const int64_t *frame_place;   /**< [frames], place numbers; NULL = not labelled with places */
+    const double *frame_position; /**< [frames][3], metres in one Cartesian frame shared by the
+                                       map (ECEF if made from GPS); NULL = no positions */
+    const float *frame_grey;      /**< [frames], mean grey level 0..255 */
+    void *mapping;                /**< private: the file's bytes; NULL if not from a file */
+    size_t mapping_size;          /**< private: bytes */
+} vdna_experience;
+
+/** Open an experience file: map it, check every byte of it, point into it.
+ *  @param path  a regular file; the file may be replaced or deleted while it is open
+ *  @param error  filled on failure; NULL = not wanted
+ *  @return VDNA_OK; VDNA_ERR_IO; VDNA_ERR_FORMAT; VDNA_ERR_CHECKSUM; VDNA_ERR_UNSUPPORTED for a
+ * newer format version */
+VDNA_API vdna_status vdna_experience_open(const char *path, vdna_error *error,
+                                          vdna_experience *out_experience);
+
+/** Unmap; all pointers into the experience end. Safe on a zeroed or closed struct. */
+VDNA_API void vdna_experience_close(vdna_experience *experience);
+
+/** Write an experience: temporary file beside `path`, fsync, rename, fsync of the directory. An
+ *  interrupted call leaves `path` as it was. `comparable` is computed, not read.
+ *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_NONFINITE or VDNA_ERR_MISMATCH (mass and counts) for an
+ *          experience that breaks the rules above; VDNA_ERR_IO; VDNA_ERR_NOMEM */
+VDNA_API vdna_status vdna_experience_write(const vdna_experience *experience, const char *path,
+                                           vdna_error *error);
+
+/** Check that two experiences may be compared: same model, preprocessing, taps, bins and ranges.
+ *  Names and lengths may differ.
+ *  @return VDNA_OK; VDNA_ERR_MISMATCH, and `error` names the first field that differs */
+VDNA_API vdna_status vdna_experience_compare(const vdna_experience *a, const vdna_experience *b,
+                                             vdna_error *error);
+
+/** Look at the Visual DNA of an experience; the view ends when the experience is closed. */
+VDNA_API void vdna_experience_view(const vdna_experience *experience, vdna_hist_view *out_view);
+
+/** Count the experience files (names ending in VDNA_MAP_EXTENSION) of a directory.
+ *  @return VDNA_OK; VDNA_ERR_IO */
+VDNA_API vdna_status vdna_map_count(const char *directory, vdna_error *error, uint32_t *out_count);
+
+/** Open all experiences of a map, in the byte order of their file names, and check that they
+ *  compare and that their names differ.
+ *  @param out_experiences  [capacity]; the first *out_count are open after VDNA_OK, none after an
+ *                          error
+ *  @return VDNA_OK; VDNA_ERR_EMPTY if there is none; VDNA_ERR_NOMEM if there are more than
+ *          `capacity`; what vdna_experience_open() and vdna_experience_compare() return */
+VDNA_API vdna_status vdna_map_open(const char *directory, uint32_t capacity, vdna_error *error,
+                                   vdna_experience *out_experiences, uint32_t *out_count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,115 @@
+/** @file vdna/select.h
+ *  @brief The selector: warm up on live frames, rank the experiences, choose one, localise in it.
+ *
+ *  States: WARMUP until the window is complete, then SELECTED until vdna_select_reset(). Frames
+ *  and their times are arguments, so a replay gives the same answers at any speed. Every answer
+ *  says what in it is valid; a frame that is refused changes nothing but a counter.
+ */
+#ifndef VDNA_SELECT_H
+#define VDNA_SELECT_H
+
+#include <vdna/hist.h>
+#include <vdna/knn.h>
+#include <vdna/rank.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** State of a selector. */
+enum {
+    VDNA_SELECT_WARMUP = 0,  /**< collecting the live Visual DNA; there is no choice yet */
+    VDNA_SELECT_SELECTED = 1 /**< an experience is chosen; frames are localised in it */
+};
+
+/** One experience to choose from. All pointers are borrowed as long as the selector is in use. */
+typedef struct vdna_select_candidate {
+    vdna_hist_view dna;      /**< of all frames of the experience */
+    const float *embeddings; /**< [frames][dim] */
+    uint32_t frames;         /**< >= 1 */
+    uint32_t reserved;       /**< 0 */
+} vdna_select_candidate;
+
+/** What a selector needs. Fill with vdna_select_config_init(), then set candidates, dim and one
+ *  of the two warmup lengths. */
+typedef struct vdna_select_config {
+    uint32_t struct_size;     /**< bytes of this struct, set by vdna_select_config_init() */
+    uint32_t candidate_count; /**< >= 1 */
+    const vdna_select_candidate *candidates; /**< [candidate_count], same shape and range; borrowed
+                                                  as long as the selector is in use */
+    uint32_t dim;                            /**< numbers in an embedding, >= 1 */
+    uint32_t warmup_frames; /**< the first N accepted frames; 0 = not by frames (default) */
+    int64_t warmup_us; /**< the first T microseconds of camera time; 0 = not by time (default) */
+} vdna_select_config;
+
+/** One live frame. Nothing is kept after the call. */
+typedef struct vdna_select_frame {
+    int64_t utime;                /**< the camera's stamp in microseconds */
+    const vdna_activations *taps; /**< [tap_count], in the order of the histogram's neurons */
+    size_t tap_count;             /**< >= 1 */
+    const float *embedding;       /**< [dim] */
+} vdna_select_frame;
+
+/** What a frame led to. */
+typedef struct vdna_select_answer {
+    uint32_t state;        /**< VDNA_SELECT_... after this frame */
+    uint32_t newly_ranked; /**< 1 if the warmup was completed by this frame: read `ranking` */
+    uint32_t restarted;    /**< 1 if camera time ran backwards, so that the warmup began anew */
+    uint32_t localised;    /**< 1 if `match` is valid */
+    vdna_knn_match match;  /**< nearest frame of the chosen experience */
+} vdna_select_answer;
+
+/** A selector. Defined here so that it can sit anywhere; read the fields, never write them. */
+typedef struct vdna_select {
+    vdna_select_config config;
+    vdna_hist live;           /**< the warmup window's Visual DNA */
+    vdna_hist_view *views;    /**< [candidate_count], private */
+    vdna_rank_entry *ranking; /**< [candidate_count], valid in state SELECTED */
+    void *scratch;            /**< private */
+    size_t scratch_size;      /**< private */
+    int64_t first_utime;      /**< of the window, valid once it holds a frame */
+    int64_t last_utime;       /**< of the newest frame of the window */
+    uint32_t state;           /**< VDNA_SELECT_... */
+    uint32_t chosen;          /**< candidate index, valid in state SELECTED */
+    double margin_bins;       /**< distance of the second choice less that of the first, valid in
+                                   state SELECTED; 0 if there is but one candidate */
+    uint64_t accepted;        /**< frames taken since init */
+    uint64_t rejected;        /**< frames refused since init */
+    uint64_t restarts;        /**< warmups begun anew because camera time ran backwards */
+} vdna_select;
+
+/** Write the defaults; the caller must set candidates, candidate_count, dim and one warmup. */
+VDNA_API void vdna_select_config_init(vdna_select_config *config);
+
+/** Bytes that vdna_select_init() needs; 0 if the config is invalid. */
+VDNA_API size_t vdna_select_mem_size(const vdna_select_config *config);
+
+/** Make a selector in `mem`, which must stay valid while `out_select` is in use.
+ *  @param mem  aligned for int64_t, `mem_size` bytes
+ *  @return VDNA_OK; VDNA_ERR_ARG for a bad config or alignment; VDNA_ERR_NOMEM if too small;
+ *          VDNA_ERR_MISMATCH if the candidates do not compare with one another */
+VDNA_API vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t mem_size,
+                                      vdna_select *out_select);
+
+/** Take one live frame.
+ *  In WARMUP it is counted. By frames, the N-th frame completes the window. By time, the window
+ *  is the frames with utime < first + T; the first frame beyond it completes the window and is
+ *  localised. In SELECTED it is localised. A stamp earlier than the newest of the window begins
+ *  the warmup anew with this frame, because the window would not be one stretch of time.
+ *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_MISMATCH or VDNA_ERR_NONFINITE for a bad frame, which is
+ *          refused whole and counted; VDNA_ERR_OVERFLOW or VDNA_ERR_FULL if the window is too large
+ *          to rank, in which case the warmup begins anew */
+VDNA_API vdna_status vdna_select_feed(vdna_select *select, const vdna_select_frame *frame,
+                                      vdna_select_answer *out_answer);
+
+/** Forget the choice and the window, and warm up again. Counters stay. */
+VDNA_API void vdna_select_reset(vdna_select *select);
+
+/** How far the warmup is: 0 (nothing yet) to 1 (complete, or SELECTED). */
+VDNA_API double vdna_select_progress(const vdna_select *select);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

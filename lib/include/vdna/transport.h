@@ -1,0 +1,123 @@
+/** @file vdna/transport.h
+ *  @brief LCM in and out: the newest camera frame and commands in; ranking, localisation and
+ *         status out. No policy.
+ *
+ *  Messages, channels and units are docs/SPEC-lcm.md. Inbound bytes are checked in place before
+ *  anything is believed. An LCM network is a trusted network: anyone on it can send.
+ */
+#ifndef VDNA_TRANSPORT_H
+#define VDNA_TRANSPORT_H
+
+#include <vdna/image.h>
+#include <vdna/status.h>
+
+/* Generated from lcmtypes/ by lcm-gen. */
+struct _vdna_msg_ranking_t;
+struct _vdna_msg_localisation_t;
+struct _vdna_msg_status_t;
+struct _vdna_msg_command_t;
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** A connection to an LCM network. One thread at a time. */
+typedef struct vdna_transport vdna_transport;
+
+/** How to connect. Fill with vdna_transport_config_init(). A channel that is NULL is neither
+ *  subscribed to nor published on. */
+typedef struct vdna_transport_config {
+    uint32_t struct_size;     /**< bytes of this struct, set by vdna_transport_config_init() */
+    uint32_t max_image_bytes; /**< largest camera picture kept; default 8 MiB; allocated at once */
+    const char *url;          /**< LCM URL; NULL = $LCM_DEFAULT_URL, else LCM's default (default) */
+    const char *camera_channel;       /**< bot_core.image_t in; default NULL */
+    const char *command_channel;      /**< vdna_msg.command_t; default NULL */
+    const char *ranking_channel;      /**< vdna_msg.ranking_t; default NULL */
+    const char *localisation_channel; /**< vdna_msg.localisation_t; default NULL */
+    const char *status_channel;       /**< vdna_msg.status_t; default NULL */
+} vdna_transport_config;
+
+/** The newest camera frame. `image.data` is borrowed until the next vdna_transport_poll(). */
+typedef struct vdna_transport_frame {
+    vdna_image image;
+    int64_t utime;       /**< the camera's stamp in microseconds */
+    int64_t received_us; /**< CLOCK_MONOTONIC when it was taken from the socket */
+} vdna_transport_frame;
+
+/** What has come in since the transport was opened. */
+typedef struct vdna_transport_counters {
+    uint64_t received; /**< well-formed camera messages */
+    uint64_t skipped;  /**< of those, replaced by a newer one before they were asked for */
+    uint64_t rejected; /**< messages on our channels that break their format or are too large */
+    uint64_t commands; /**< well-formed command messages */
+} vdna_transport_counters;
+
+/** What vdna_transport_poll() found; bits. */
+enum {
+    VDNA_TRANSPORT_FRAME = 1, /**< a camera frame */
+    VDNA_TRANSPORT_RESET = 2  /**< at least one command to reset */
+};
+
+/** Write the defaults: LCM's own URL, 8 MiB, no channel. */
+VDNA_API void vdna_transport_config_init(vdna_transport_config *config);
+
+/** Connect and subscribe. Channel names are taken literally, not as regular expressions.
+ *  @param error  filled on failure; NULL = not wanted
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO if the network refuses; VDNA_ERR_NOMEM */
+VDNA_API vdna_status vdna_transport_open(const vdna_transport_config *config, vdna_error *error,
+                                         vdna_transport **out_transport);
+
+/** Disconnect. NULL is allowed. */
+VDNA_API void vdna_transport_close(vdna_transport *transport);
+
+/** Wait until something comes in, then take everything that is there and keep the newest frame.
+ *  @param timeout_ms  0 = do not wait, at most 1000
+ *  @param out_events  VDNA_TRANSPORT_ bits, 0 if nothing came in time or a signal interrupted
+ *  @param out_frame   set if the FRAME bit is
+ *  @return VDNA_OK; VDNA_ERR_IO if the connection is gone (for file:// URLs: the log has ended) */
+VDNA_API vdna_status vdna_transport_poll(vdna_transport *transport, int32_t timeout_ms,
+                                         uint32_t *out_events, vdna_transport_frame *out_frame);
+
+/** Numbers so far; valid as long as the transport is open. */
+VDNA_API const vdna_transport_counters *vdna_transport_count(const vdna_transport *transport);
+
+/** Publish a message on its channel of the config. Nothing of it is kept.
+ *  @return VDNA_OK; VDNA_ERR_ARG if that channel is NULL; VDNA_ERR_IO; VDNA_ERR_NOMEM */
+VDNA_API vdna_status vdna_transport_publish_ranking(vdna_transport *transport,
+                                                    const struct _vdna_msg_ranking_t *message);
+/** As vdna_transport_publish_ranking(). */
+VDNA_API vdna_status vdna_transport_publish_localisation(
+    vdna_transport *transport, const struct _vdna_msg_localisation_t *message);
+/** As vdna_transport_publish_ranking(). */
+VDNA_API vdna_status vdna_transport_publish_status(vdna_transport *transport,
+                                                   const struct _vdna_msg_status_t *message);
+/** As vdna_transport_publish_ranking(). */
+VDNA_API vdna_status vdna_transport_publish_command(vdna_transport *transport,
+                                                    const struct _vdna_msg_command_t *message);
+/** Publish a camera frame on the camera channel, as a driver would.
+ *  @param image  VDNA_PIXEL_ENCODED is not allowed: a JPEG is VDNA_PIXEL_MJPG */
+VDNA_API vdna_status vdna_transport_publish_image(vdna_transport *transport, int64_t utime,
+                                                  const vdna_image *image);
+
+/** Check the bytes of a message before a generated decoder sees them: lengths, ends, fingerprint.
+ *  The decoders that lcm-gen writes trust every length they read.
+ *  @return VDNA_OK; VDNA_ERR_FORMAT */
+VDNA_API vdna_status vdna_transport_check_ranking(const void *data, size_t size);
+/** As vdna_transport_check_ranking(). */
+VDNA_API vdna_status vdna_transport_check_localisation(const void *data, size_t size);
+/** As vdna_transport_check_ranking(). */
+VDNA_API vdna_status vdna_transport_check_status(const void *data, size_t size);
+/** As vdna_transport_check_ranking(). */
+VDNA_API vdna_status vdna_transport_check_command(const void *data, size_t size);
+
+/** Read a camera message in place.
+ *  @param out_frame  image.data points into `data`; received_us is 0
+ *  @return VDNA_OK; VDNA_ERR_FORMAT */
+VDNA_API vdna_status vdna_transport_parse_image(const void *data, size_t size,
+                                                vdna_transport_frame *out_frame);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

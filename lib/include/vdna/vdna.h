@@ -1,0 +1,39 @@
+/** @file vdna/vdna.h
+ *  @brief Onboard experience selection: umbrella header and the conventions of the whole API.
+ *
+ *  Memory. The C99 part (activation, range, hist, emd, rank, knn, select) never allocates. An
+ *  object with a variable size lives in a block that the caller provides: ask `vdna_X_mem_size()`,
+ *  hand the block to `vdna_X_init()`, keep it while the object is in use, and free it yourself;
+ *  there is nothing to destroy. Objects that hold something of the operating system (an
+ *  experience file, a network, an LCM socket) have `_open()` and `_close()` instead.
+ *
+ *  Pointers. `const` inputs are borrowed for the length of the call unless their comment says for
+ *  how long. Outputs come last, are named `out_...`, and are untouched when a call fails. NULL is
+ *  refused with VDNA_ERR_ARG where a comment does not give it a meaning.
+ *
+ *  Errors. Functions that can fail return a `vdna_status`: 0 is VDNA_OK. Those that meet files,
+ *  networks or configuration also fill a `vdna_error` with one sentence for people.
+ *
+ *  Threads. Nothing is global. Different objects may be used from different threads; one object
+ *  may be used by one thread at a time, where its comment does not promise more.
+ *
+ *  Units. Distances of histograms are in bins, angles do not occur, times are int64_t
+ *  microseconds (`utime` where it is a camera's stamp), lengths in metres, sizes in bytes.
+ *
+ *  Layout. Config structs start with `struct_size`, which `_config_init()` fills; only
+ *  fixed-width integers, float, double, size_t and pointers cross the border.
+ */
+#ifndef VDNA_VDNA_H
+#define VDNA_VDNA_H
+
+#include <vdna/activation.h>
+#include <vdna/emd.h>
+#include <vdna/hist.h>
+#include <vdna/knn.h>
+#include <vdna/range.h>
+#include <vdna/rank.h>
+#include <vdna/select.h>
+#include <vdna/status.h>
+#include <vdna/version.h>
+
+#endif
