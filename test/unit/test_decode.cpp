@@ -245,7 +245,7 @@ static void other_files_cut_short_are_refused(void **)
         Bytes bytes = encoded(extension);
         bytes.resize(bytes.size() / 2);
         refusal(image_of(bytes, VDNA_PIXEL_ENCODED), VDNA_ERR_FORMAT);
-        bytes.resize(10);
+        bytes.resize(13);
         refusal(image_of(bytes, VDNA_PIXEL_ENCODED), VDNA_ERR_FORMAT);
     }
 }
