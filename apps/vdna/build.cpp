@@ -80,6 +80,11 @@ std::vector<Draft> drafts_of(const BuildOptions &options)
         throw Error("--name names one experience, but there are " +
                         std::to_string(options.sources.size()) + " sources",
                     exit_usage);
+    const auto is_folder = [](const std::string &source) { return fs::is_directory(source); };
+    if (!options.source.labels.empty() && options.sources.size() > 1 &&
+        !std::all_of(options.sources.begin(), options.sources.end(), is_folder))
+        throw Error("--labels numbers the frames of one video or log; build them one by one",
+                    exit_usage);
     std::vector<Draft> drafts;
     std::set<std::string> names;
     for (const std::string &source : options.sources) {

@@ -27,7 +27,8 @@ std::vector<fs::path> experience_files(const fs::path &map)
     std::vector<fs::path> files;
     for (fs::directory_iterator file(map, failure), end; !failure && file != end;
          file.increment(failure))
-        if (file->path().extension() == VDNA_MAP_EXTENSION)
+        if (file->path().extension() == VDNA_MAP_EXTENSION &&
+            file->path().filename().string()[0] != '.')
             files.push_back(*file);
     if (failure)
         throw Error(map.string() + ": cannot read this map directory: " + failure.message());
