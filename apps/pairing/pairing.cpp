@@ -1,0 +1,77 @@
+#include "pairing/pairing.hpp"
+
+#include <algorithm>
+
+#include "error.hpp"
+
+namespace vdna
+{
+
+Backbone::Backbone(const std::string &manifest, uint32_t threads, const std::string &runtime)
+{
+    vdna_backbone_config config;
+    vdna_backbone_config_init(&config);
+    config.manifest = manifest.c_str();
+    config.threads = threads;
+    config.runtime = runtime.empty() ? nullptr : runtime.c_str();
+    vdna_error error{};
+    require(vdna_backbone_open(&config, &error, &handle_), error);
+    vdna_backbone_describe(handle_, &info_);
+}
+
+Backbone::~Backbone()
+{
+    vdna_backbone_close(handle_);
+}
+
+Map::Map(const std::string &directory) : directory_(directory)
+{
+    vdna_error error{};
+    uint32_t count = 0;
+    require(vdna_map_count(directory.c_str(), &error, &count), error);
+    // One at least, so that vdna_map_open() is asked about an empty directory too.
+    experiences_.resize(std::max(count, 1u));
+    require(vdna_map_open(directory.c_str(), static_cast<uint32_t>(experiences_.size()), &error,
+                          experiences_.data(), &count),
+            error);
+    experiences_.resize(count);
+}
+
+Map::~Map()
+{
+    for (vdna_experience &experience : experiences_)
+        vdna_experience_close(&experience);
+}
+
+std::vector<vdna_select_candidate> Map::candidates() const
+{
+    std::vector<vdna_select_candidate> candidates(experiences_.size());
+    for (size_t i = 0; i < candidates.size(); i++) {
+        vdna_experience_view(&experiences_[i], &candidates[i].dna);
+        candidates[i].embeddings = experiences_[i].embeddings;
+        candidates[i].frames = experiences_[i].frames;
+    }
+    return candidates;
+}
+
+void Map::require_backbone(const vdna_backbone_info &backbone) const
+{
+    // All experiences of a map compare, so the first one speaks for them.
+    const vdna_experience &map = experiences_.front();
+    const auto require_same = [&](const char *field, const std::string &found,
+                                  const std::string &expected) {
+        if (found == expected)
+            return;
+        throw Error(directory_ + ": " + field + " of the map is " + found + " (backbone " +
+                    map.backbone + "), that of backbone " + backbone.name + " is " + expected +
+                    "; use the map's backbone, or rebuild the map with `vdna build --force "
+                    "--backbone " +
+                    backbone.name + "`");
+    };
+    require_same("model_sha256", map.model_sha256, backbone.model_sha256);
+    require_same("preprocessing", map.preprocessing, backbone.preprocessing);
+    require_same("taps", map.taps, backbone.taps);
+    require_same("embedding size", std::to_string(map.dim), std::to_string(backbone.dim));
+}
+
+} // namespace vdna

@@ -1,0 +1,32 @@
+/* Private: what a vdna_transport holds. */
+#ifndef VDNA_CONNECTION_H
+#define VDNA_CONNECTION_H
+
+#include <lcm/lcm.h>
+#include <stdbool.h>
+#include <vdna/transport.h>
+
+/* A literal channel name; empty = not used. */
+typedef char channel_name[LCM_MAX_CHANNEL_NAME_LENGTH + 1];
+
+struct vdna_transport {
+    lcm_t *lcm;
+    bool is_log; /* a file:// URL: messages wait until they are read */
+    channel_name camera, command, ranking, localisation, status;
+    vdna_transport_counters counters;
+
+    /* What the poll under way has found. */
+    uint32_t events;
+    vdna_transport_frame frame; /* its picture is in `picture` */
+    uint8_t *picture;
+    size_t picture_size; /* bytes allocated */
+
+    /* The message being published, encoded. */
+    uint8_t *message;
+    size_t message_size; /* bytes allocated */
+};
+
+/* Subscribe to the camera and command channels that are used. */
+vdna_status vdna_transport_subscribe(vdna_transport *transport, vdna_error *error);
+
+#endif

@@ -1,0 +1,153 @@
+#include "connection.h"
+#include <fail.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DEFAULT_MAX_IMAGE_BYTES (8u << 20)
+#define LCM_OWN_DEFAULT_URL "udpm://239.255.76.67:7667?ttl=0"
+
+/* see vdna/transport.h */
+void vdna_transport_config_init(vdna_transport_config *config)
+{
+    if (!config)
+        return;
+    memset(config, 0, sizeof *config);
+    config->struct_size = sizeof *config;
+    config->max_image_bytes = DEFAULT_MAX_IMAGE_BYTES;
+}
+
+static vdna_status check_config(const vdna_transport_config *config, vdna_error *error)
+{
+    if (!config || config->struct_size != sizeof *config)
+        return vdna_fail(error, VDNA_ERR_ARG,
+                         "transport: the configuration was not made by "
+                         "vdna_transport_config_init() of this version");
+    if (config->max_image_bytes == 0 || config->max_image_bytes > LCM_MAX_MESSAGE_SIZE)
+        return vdna_fail(error, VDNA_ERR_ARG,
+                         "transport: max_image_bytes is %u, expected 1..%d, LCM's largest message",
+                         config->max_image_bytes, LCM_MAX_MESSAGE_SIZE);
+    return VDNA_OK;
+}
+
+static vdna_status keep_channel(channel_name out_name, const char *name, vdna_error *error)
+{
+    if (!name)
+        return VDNA_OK;
+    const size_t length = strlen(name);
+    if (length == 0 || length > LCM_MAX_CHANNEL_NAME_LENGTH)
+        return vdna_fail(error, VDNA_ERR_ARG,
+                         "transport: channel name \"%s\" has %zu bytes, LCM allows 1..%d", name,
+                         length, LCM_MAX_CHANNEL_NAME_LENGTH);
+    memcpy(out_name, name, length + 1);
+    return VDNA_OK;
+}
+
+static vdna_status keep_channels(vdna_transport *transport, const vdna_transport_config *config,
+                                 vdna_error *error)
+{
+    vdna_status status = keep_channel(transport->camera, config->camera_channel, error);
+    if (status == VDNA_OK)
+        status = keep_channel(transport->command, config->command_channel, error);
+    if (status == VDNA_OK)
+        status = keep_channel(transport->ranking, config->ranking_channel, error);
+    if (status == VDNA_OK)
+        status = keep_channel(transport->localisation, config->localisation_channel, error);
+    if (status == VDNA_OK)
+        status = keep_channel(transport->status, config->status_channel, error);
+    return status;
+}
+
+/* Room for the largest picture now, so that a camera cannot make the process grow later. */
+static vdna_status reserve_picture(vdna_transport *transport, size_t size, vdna_error *error)
+{
+    if (!transport->camera[0])
+        return VDNA_OK;
+    transport->picture = malloc(size);
+    if (!transport->picture)
+        return vdna_fail(error, VDNA_ERR_NOMEM,
+                         "transport: no %zu bytes of memory for a picture; lower max_image_bytes",
+                         size);
+    transport->picture_size = size;
+    return VDNA_OK;
+}
+
+/* The URL that LCM will use, by LCM's own rule. */
+static const char *effective_url(const char *url)
+{
+    if (!url || !*url)
+        url = getenv("LCM_DEFAULT_URL");
+    return url && *url ? url : LCM_OWN_DEFAULT_URL;
+}
+
+static bool has_scheme(const char *url, const char *scheme)
+{
+    return strncmp(url, scheme, strlen(scheme)) == 0;
+}
+
+static vdna_status connect_lcm(vdna_transport *transport, const char *configured_url,
+                               vdna_error *error)
+{
+    const char *url = effective_url(configured_url);
+    transport->is_log = has_scheme(url, "file://");
+    transport->lcm = lcm_create(url);
+    if (transport->lcm)
+        return VDNA_OK;
+    if (has_scheme(url, "udpm://"))
+        return vdna_fail(
+            error, VDNA_ERR_IO,
+            "%.200s: LCM cannot use this network; expected a URL such as " LCM_OWN_DEFAULT_URL
+            "; without a network, `ip link set lo multicast on && "
+            "ip route add 224.0.0.0/4 dev lo` makes one within this machine",
+            url);
+    return vdna_fail(error, VDNA_ERR_IO,
+                     "%.200s: LCM cannot open this and says why on standard error; expected a URL "
+                     "such as " LCM_OWN_DEFAULT_URL ", file:///path/to/log?speed=1 or memq://",
+                     url);
+}
+
+/* see vdna/transport.h */
+vdna_status vdna_transport_open(const vdna_transport_config *config, vdna_error *error,
+                                vdna_transport **out_transport)
+{
+    vdna_status status = check_config(config, error);
+    if (status != VDNA_OK)
+        return status;
+    if (!out_transport)
+        return vdna_fail(error, VDNA_ERR_ARG, "transport: out_transport is NULL");
+
+    vdna_transport *transport = calloc(1, sizeof *transport);
+    if (!transport)
+        return vdna_fail(error, VDNA_ERR_NOMEM, "transport: no memory left");
+
+    status = keep_channels(transport, config, error);
+    if (status == VDNA_OK)
+        status = reserve_picture(transport, config->max_image_bytes, error);
+    if (status == VDNA_OK)
+        status = connect_lcm(transport, config->url, error);
+    if (status == VDNA_OK)
+        status = vdna_transport_subscribe(transport, error);
+    if (status != VDNA_OK) {
+        vdna_transport_close(transport);
+        return status;
+    }
+    *out_transport = transport;
+    return VDNA_OK;
+}
+
+/* see vdna/transport.h */
+void vdna_transport_close(vdna_transport *transport)
+{
+    if (!transport)
+        return;
+    if (transport->lcm)
+        lcm_destroy(transport->lcm);
+    free(transport->picture);
+    free(transport->message);
+    free(transport);
+}
+
+/* see vdna/transport.h */
+const vdna_transport_counters *vdna_transport_count(const vdna_transport *transport)
+{
+    return transport ? &transport->counters : NULL;
+}
