@@ -32,7 +32,7 @@ struct Setting {
 
 constexpr double path_max = 4095, channel_max = 63; // bytes: PATH_MAX, LCM's channel name
 constexpr double threads_max = 256;
-constexpr double image_bytes_min = 1024, image_bytes_max = 1u << 30;
+constexpr double image_bytes_min = 1024, image_bytes_max = 1u << 28; // LCM's largest message
 
 const std::array<Setting, 13> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max},
