@@ -13,8 +13,10 @@ namespace vdna
 namespace
 {
 
+const std::map<std::string, int32_t> commands{{"reset", VDNA_MSG_COMMAND_T_RESET}};
+
 struct CommandOptions {
-    int32_t command = 0;
+    std::string command;
     std::string channel = "VDNA_COMMAND";
     std::string url;
 };
@@ -31,7 +33,7 @@ void send_command(const CommandOptions &options)
     char no_argument[] = "";
     vdna_msg_command_t message{};
     message.utime = duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
-    message.command = options.command;
+    message.command = commands.at(options.command);
     message.argument = no_argument;
     const vdna_status status = vdna_transport_publish_command(connection.get(), &message);
     if (status != VDNA_OK)
@@ -43,16 +45,14 @@ void send_command(const CommandOptions &options)
 
 void add_command(CLI::App &app)
 {
-    static const std::map<std::string, int32_t> commands{{"reset", VDNA_MSG_COMMAND_T_RESET}};
-
-    CLI::App *command = app.add_subcommand("command", "Tell a running vdna_selectord something");
+    CLI::App *command = app.add_subcommand("command", "tell a running vdna_selectord something");
     const auto options = std::make_shared<CommandOptions>();
     command
         ->add_option("command", options->command,
                      "reset: forget the chosen experience and warm up again")
         ->required()
-        ->transform(CLI::CheckedTransformer(commands));
-    command->add_option("--channel", options->channel, "Channel to send on")->capture_default_str();
+        ->check(CLI::IsMember(commands));
+    command->add_option("--channel", options->channel, "channel to send on")->capture_default_str();
     command
         ->add_option("-l,--lcm-url", options->url,
                      "LCM network; default: $LCM_DEFAULT_URL, else LCM's")

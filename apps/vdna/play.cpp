@@ -156,26 +156,26 @@ void play(const PlayOptions &options)
 
 void add_play(CLI::App &app)
 {
-    CLI::App *command = app.add_subcommand("play", "Send a recording over LCM, as a camera would");
+    CLI::App *command = app.add_subcommand("play", "send a recording over LCM, as a camera would");
     const auto options = std::make_shared<PlayOptions>();
-    command->add_option("source", options->source, "Folder of pictures, video or LCM log")
+    command->add_option("source", options->source, "folder of pictures, video or LCM log")
         ->required()
         ->type_name("SOURCE");
-    command->add_option("--rate", options->reading.rate_hz, "Frames per second")
+    command->add_option("--rate", options->reading.rate_hz, "frames per second")
         ->type_name("HZ")
         ->check(CLI::Range(0.01, 10000.0))
         ->capture_default_str();
-    command->add_option("--channel", options->reading.camera, "Channel to send on")
+    command->add_option("--channel", options->reading.camera, "channel to send on")
         ->capture_default_str();
-    command->add_option("--skip", options->reading.skip, "Leave out the first frames")
+    command->add_option("--skip", options->reading.skip, "leave out the first frames")
         ->type_name("N");
-    command->add_option("--frames", options->frames, "Stop after so many frames")
+    command->add_option("--frames", options->frames, "stop after so many frames")
         ->type_name("N")
         ->check(CLI::Range(uint64_t{1}, std::numeric_limits<uint64_t>::max()));
-    command->add_flag("--loop", options->loop, "Begin anew at the end, until Ctrl-C");
+    command->add_flag("--loop", options->loop, "begin anew at the end, until Ctrl-C");
     command
         ->add_option("--stamp", options->stamp,
-                     "Camera time of a frame: when it is sent, or as recorded")
+                     "camera time of a frame: when it is sent, or as recorded")
         ->check(CLI::IsMember({"now", "recorded"}))
         ->capture_default_str();
     command

@@ -250,25 +250,25 @@ void watch(const WatchOptions &options)
 
 void add_watch(CLI::App &app)
 {
-    CLI::App *command = app.add_subcommand("watch", "Show what a running vdna_selectord says");
+    CLI::App *command = app.add_subcommand("watch", "show what a running vdna_selectord says");
     const auto options = std::make_shared<WatchOptions>();
     command
         ->add_option("-l,--lcm-url", options->url,
                      "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
         ->type_name("URL");
-    CLI::Option *json = command->add_flag("--json", options->json, "One JSON object per message");
-    command->add_flag("--summary", options->summary, "Only one line, at the end")->excludes(json);
-    command->add_option("--for", options->seconds, "End after this time")
+    CLI::Option *json = command->add_flag("--json", options->json, "one JSON object per message");
+    command->add_flag("--summary", options->summary, "only one line, at the end")->excludes(json);
+    command->add_option("--for", options->seconds, "end after this time")
         ->type_name("SECONDS")
         ->check(CLI::Range(0.001, 1e9));
     command
         ->add_option("--until", options->until,
-                     "End after a ranking, or after N localisations; exit 1 if --for ends first")
+                     "end after a ranking, or after N localisations; exit 1 if --for ends first")
         ->type_name("ranking|localisation:N");
-    command->add_option("--ranking", options->ranking_channel, "Channel")->capture_default_str();
-    command->add_option("--localisation", options->localisation_channel, "Channel")
+    command->add_option("--ranking", options->ranking_channel, "channel")->capture_default_str();
+    command->add_option("--localisation", options->localisation_channel, "channel")
         ->capture_default_str();
-    command->add_option("--status", options->status_channel, "Channel")->capture_default_str();
+    command->add_option("--status", options->status_channel, "channel")->capture_default_str();
     command->callback([options] { watch(*options); });
 }
 
