@@ -96,8 +96,7 @@ static vdna_status connect_lcm(vdna_transport *transport, const char *configured
         return vdna_fail(
             error, VDNA_ERR_IO,
             "%.200s: LCM cannot use this network; expected a URL such as " LCM_OWN_DEFAULT_URL
-            "; without a network, `ip link set lo multicast on && "
-            "ip route add 224.0.0.0/4 dev lo` makes one within this machine",
+            "; if this machine has no network, it lacks a route: `ip route add 224.0.0.0/4 dev lo`",
             url);
     return vdna_fail(error, VDNA_ERR_IO,
                      "%.200s: LCM cannot open this and says why on standard error; expected a URL "

@@ -4,6 +4,7 @@
  *
  *  Messages, channels and units are docs/SPEC-lcm.md. Inbound bytes are checked in place before
  *  anything is believed. An LCM network is a trusted network: anyone on it can send.
+ *  LCM itself prints its complaints to standard error; errors here say what to do about them.
  */
 #ifndef VDNA_TRANSPORT_H
 #define VDNA_TRANSPORT_H
@@ -25,10 +26,11 @@ extern "C" {
 typedef struct vdna_transport vdna_transport;
 
 /** How to connect. Fill with vdna_transport_config_init(). A channel that is NULL is neither
- *  subscribed to nor published on. */
+ *  subscribed to nor published on; another has 1..63 bytes. Strings are copied. */
 typedef struct vdna_transport_config {
     uint32_t struct_size;     /**< bytes of this struct, set by vdna_transport_config_init() */
-    uint32_t max_image_bytes; /**< largest camera picture kept; default 8 MiB; allocated at once */
+    uint32_t max_image_bytes; /**< largest camera picture kept, 1..2^28; default 8 MiB; allocated at
+                                   once if there is a camera channel */
     const char *url;          /**< LCM URL; NULL = $LCM_DEFAULT_URL, else LCM's default (default) */
     const char *camera_channel;       /**< bot_core.image_t in; default NULL */
     const char *command_channel;      /**< vdna_msg.command_t; default NULL */
@@ -71,18 +73,23 @@ VDNA_API vdna_status vdna_transport_open(const vdna_transport_config *config, vd
 VDNA_API void vdna_transport_close(vdna_transport *transport);
 
 /** Wait until something comes in, then take everything that is there and keep the newest frame.
+ *  A log (file:// URL) is taken message by message instead: it does not run away, so no frame of it
+ *  is skipped, and a replay gives the same answers at any speed.
  *  @param timeout_ms  0 = do not wait, at most 1000
- *  @param out_events  VDNA_TRANSPORT_ bits, 0 if nothing came in time or a signal interrupted
+ *  @param out_events  VDNA_TRANSPORT_ bits; 0 if nothing came in time, a signal interrupted, or
+ *                     what came was not well-formed or not a command that is known
  *  @param out_frame   set if the FRAME bit is
  *  @return VDNA_OK; VDNA_ERR_IO if the connection is gone (for file:// URLs: the log has ended) */
 VDNA_API vdna_status vdna_transport_poll(vdna_transport *transport, int32_t timeout_ms,
                                          uint32_t *out_events, vdna_transport_frame *out_frame);
 
-/** Numbers so far; valid as long as the transport is open. */
+/** Numbers so far; valid as long as the transport is open. NULL for NULL. */
 VDNA_API const vdna_transport_counters *vdna_transport_count(const vdna_transport *transport);
 
-/** Publish a message on its channel of the config. Nothing of it is kept.
- *  @return VDNA_OK; VDNA_ERR_ARG if that channel is NULL; VDNA_ERR_IO; VDNA_ERR_NOMEM */
+/** Publish a message on its channel of the config. Nothing of it is kept. All strings and arrays
+ *  must be there; "" and a count of 0 are allowed.
+ *  @return VDNA_OK; VDNA_ERR_ARG if that channel is NULL; VDNA_ERR_IO, always so for a log that is
+ *          being read; VDNA_ERR_NOMEM */
 VDNA_API vdna_status vdna_transport_publish_ranking(vdna_transport *transport,
                                                     const struct _vdna_msg_ranking_t *message);
 /** As vdna_transport_publish_ranking(). */
@@ -100,7 +107,8 @@ VDNA_API vdna_status vdna_transport_publish_image(vdna_transport *transport, int
                                                   const vdna_image *image);
 
 /** Check the bytes of a message before a generated decoder sees them: lengths, ends, fingerprint.
- *  The decoders that lcm-gen writes trust every length they read.
+ *  The decoders that lcm-gen writes trust every length they read. What passes, they read to its
+ *  last byte; whether the values make sense is the reader's to judge.
  *  @return VDNA_OK; VDNA_ERR_FORMAT */
 VDNA_API vdna_status vdna_transport_check_ranking(const void *data, size_t size);
 /** As vdna_transport_check_ranking(). */
@@ -110,7 +118,8 @@ VDNA_API vdna_status vdna_transport_check_status(const void *data, size_t size);
 /** As vdna_transport_check_ranking(). */
 VDNA_API vdna_status vdna_transport_check_command(const void *data, size_t size);
 
-/** Read a camera message in place.
+/** Read a camera message in place. Sides must not be negative, and there must be a pixel format;
+ *  whether the picture has as many bytes as they ask for is for its decoder to judge.
  *  @param out_frame  image.data points into `data`; received_us is 0
  *  @return VDNA_OK; VDNA_ERR_FORMAT */
 VDNA_API vdna_status vdna_transport_parse_image(const void *data, size_t size,

@@ -1,0 +1,91 @@
+// One well-formed message of each type, small enough to count its bytes by hand.
+#ifndef LCM_SAMPLES_H
+#define LCM_SAMPLES_H
+
+#include <bot_core_image_t.h>
+#include <vdna_msg_command_t.h>
+#include <vdna_msg_localisation_t.h>
+#include <vdna_msg_ranking_t.h>
+#include <vdna_msg_status_t.h>
+
+static char *sample_experiences[] = {"autumn", "snow"};
+static double sample_distances[] = {5.5, 7.25};
+static int8_t sample_tied[] = {0, 1};
+static double sample_recalls[] = {0.75, 0.5};
+
+static const vdna_msg_ranking_t sample_ranking = {
+    .utime = 1700000000000002,
+    .window_begin_utime = 1700000000000001,
+    .window_frames = 42,
+    .validity = VDNA_MSG_RANKING_T_VALID,
+    .backbone = "lite0",
+    .comparable = "ab12",
+    .margin_bins = 1.75,
+    .count = 2,
+    .experience = sample_experiences,
+    .distance_bins = sample_distances,
+    .tied = sample_tied,
+    .predicted_recall = sample_recalls,
+};
+
+static const vdna_msg_localisation_t sample_localisation = {
+    .utime = 1700000000000003,
+    .validity = VDNA_MSG_LOCALISATION_T_VALID,
+    .experience = "snow",
+    .frame = 7,
+    .frame_utime = -1,
+    .has_place = 1,
+    .place = 99,
+    .has_position = 1,
+    .position = {1.5, -2.5, 0.25},
+    .distance = 0.125,
+    .predicted_recall = 0.5,
+    .latency_us = 20000,
+};
+
+static const vdna_msg_status_t sample_status = {
+    .utime = 1700000000000004,
+    .state = VDNA_MSG_STATUS_T_SELECTED,
+    .progress = 1,
+    .experience = "snow",
+    .experiences = 2,
+    .backbone = "lite0",
+    .version = "0.1.0",
+    .received = 100,
+    .skipped = 10,
+    .rejected = 1,
+    .refused = 2,
+    .processed = 88,
+    .restarts = 0,
+    .frame_age_us = 30000,
+    .decode_us = 2000,
+    .resize_us = 500,
+    .inference_us = 5000,
+    .resident_bytes = 50000000,
+    .message = "",
+};
+
+static const vdna_msg_command_t sample_command = {
+    .utime = 1700000000000005,
+    .command = VDNA_MSG_COMMAND_T_RESET,
+    .argument = "",
+};
+
+static uint8_t sample_value[] = {1, 2, 3};
+static bot_core_image_metadata_t sample_metadata[] = {{"exposure", 3, sample_value}, {"", 0, NULL}};
+static uint8_t sample_pixels[] = {10, 20, 30, 40, 50, 60};
+
+/* Three pixels by two of grey, with two pieces of metadata. */
+static const bot_core_image_t sample_image = {
+    .utime = 1700000000000006,
+    .width = 3,
+    .height = 2,
+    .row_stride = 3,
+    .pixelformat = 1497715271, /* GREY */
+    .size = 6,
+    .data = sample_pixels,
+    .nmetadata = 2,
+    .metadata = sample_metadata,
+};
+
+#endif

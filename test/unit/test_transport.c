@@ -1,0 +1,594 @@
+// The transport on LCM's in-process network (memq://) and on log files.
+#include "connection.h"
+#include "lcm_samples.h"
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+#include <vdna/transport.h>
+
+#include <cmocka.h>
+
+#define MAX_IMAGE_BYTES 100
+
+static vdna_transport_config memq_config(void)
+{
+    vdna_transport_config config;
+    vdna_transport_config_init(&config);
+    config.url = "memq://";
+    config.max_image_bytes = MAX_IMAGE_BYTES;
+    config.camera_channel = "CAMERA";
+    config.command_channel = "VDNA_COMMAND";
+    config.ranking_channel = "VDNA_RANKING";
+    config.localisation_channel = "VDNA_LOCALISATION";
+    config.status_channel = "VDNA_STATUS";
+    return config;
+}
+
+static vdna_transport *open_with(const vdna_transport_config *config)
+{
+    vdna_transport *transport = NULL;
+    vdna_error error = {""};
+    if (vdna_transport_open(config, &error, &transport) != VDNA_OK)
+        fail_msg("%s", error.text);
+    return transport;
+}
+
+static int open_on_memq(void **state)
+{
+    const vdna_transport_config config = memq_config();
+    *state = open_with(&config);
+    return 0;
+}
+
+static int close_transport(void **state)
+{
+    vdna_transport_close(*state);
+    return 0;
+}
+
+// Bytes as any program on the network could send them.
+static void send_raw(vdna_transport *transport, const char *channel, const void *data, size_t size)
+{
+    assert_int_equal(lcm_publish(transport->lcm, channel, data, (unsigned)size), 0);
+}
+
+static void send_picture(vdna_transport *transport, int64_t utime, size_t size)
+{
+    uint8_t pixels[MAX_IMAGE_BYTES + 1];
+    memset(pixels, (int)utime, sizeof pixels);
+    const vdna_image image = {pixels, size, (uint32_t)size, 1, 0, VDNA_PIXEL_GREY};
+    assert_int_equal(vdna_transport_publish_image(transport, utime, &image), VDNA_OK);
+}
+
+static vdna_transport_frame poll_frame(vdna_transport *transport)
+{
+    vdna_transport_frame frame = {.utime = -1};
+    uint32_t events = 0;
+    assert_int_equal(vdna_transport_poll(transport, 0, &events, &frame), VDNA_OK);
+    assert_int_equal(events, VDNA_TRANSPORT_FRAME);
+    return frame;
+}
+
+static uint32_t poll_events(vdna_transport *transport, int32_t timeout_ms)
+{
+    vdna_transport_frame frame;
+    uint32_t events = UINT32_MAX;
+    assert_int_equal(vdna_transport_poll(transport, timeout_ms, &events, &frame), VDNA_OK);
+    return events;
+}
+
+static int64_t monotonic_us(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (int64_t)now.tv_sec * 1000000 + now.tv_nsec / 1000;
+}
+
+// --- in ---
+
+static void a_frame_comes_with_all_its_fields(void **state)
+{
+    const uint8_t pixels[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
+    const vdna_image sent = {pixels, sizeof pixels, 2, 2, 8, VDNA_PIXEL_BGR3};
+    const int64_t before_us = monotonic_us();
+    assert_int_equal(vdna_transport_publish_image(*state, 123, &sent), VDNA_OK);
+
+    const vdna_transport_frame frame = poll_frame(*state);
+    assert_int_equal(frame.utime, 123);
+    assert_in_range(frame.received_us, before_us, monotonic_us());
+    assert_int_equal(frame.image.width, 2);
+    assert_int_equal(frame.image.height, 2);
+    assert_int_equal(frame.image.row_stride, 8);
+    assert_int_equal(frame.image.pixelformat, VDNA_PIXEL_BGR3);
+    assert_int_equal(frame.image.size, sizeof pixels);
+    assert_memory_equal(frame.image.data, pixels, sizeof pixels);
+}
+
+static void a_frame_of_another_camera_driver_comes_without_its_metadata(void **state)
+{
+    uint8_t bytes[256];
+    const int size = bot_core_image_t_encode(bytes, 0, sizeof bytes, &sample_image);
+    send_raw(*state, "CAMERA", bytes, (size_t)size);
+
+    const vdna_transport_frame frame = poll_frame(*state);
+    assert_int_equal(frame.image.size, sizeof sample_pixels);
+    assert_memory_equal(frame.image.data, sample_pixels, sizeof sample_pixels);
+}
+
+static void of_several_frames_the_newest_is_kept_and_the_others_are_skipped(void **state)
+{
+    for (int64_t utime = 1; utime <= 3; utime++)
+        send_picture(*state, utime, 10);
+
+    const vdna_transport_frame frame = poll_frame(*state);
+    assert_int_equal(frame.utime, 3);
+    assert_int_equal(frame.image.data[0], 3);
+    assert_int_equal(vdna_transport_count(*state)->received, 3);
+    assert_int_equal(vdna_transport_count(*state)->skipped, 2);
+}
+
+static void a_frame_is_handed_out_once_and_then_is_not_skipped(void **state)
+{
+    send_picture(*state, 1, 10);
+    assert_int_equal(poll_frame(*state).utime, 1);
+    assert_int_equal(poll_events(*state, 0), 0);
+    send_picture(*state, 2, 10);
+    assert_int_equal(poll_frame(*state).utime, 2);
+    assert_int_equal(vdna_transport_count(*state)->received, 2);
+    assert_int_equal(vdna_transport_count(*state)->skipped, 0);
+}
+
+static void a_malformed_frame_is_rejected_and_the_frame_before_it_kept(void **state)
+{
+    send_picture(*state, 1, 10);
+    send_raw(*state, "CAMERA", "not an image", 12);
+    send_raw(*state, "CAMERA", "", 0);
+    assert_int_equal(poll_frame(*state).utime, 1);
+    assert_int_equal(vdna_transport_count(*state)->received, 1);
+    assert_int_equal(vdna_transport_count(*state)->skipped, 0);
+    assert_int_equal(vdna_transport_count(*state)->rejected, 2);
+}
+
+static void a_picture_of_the_largest_size_is_taken_and_one_byte_more_rejected(void **state)
+{
+    send_picture(*state, 1, MAX_IMAGE_BYTES);
+    send_picture(*state, 2, MAX_IMAGE_BYTES + 1);
+    const vdna_transport_frame frame = poll_frame(*state);
+    assert_int_equal(frame.utime, 1);
+    assert_int_equal(frame.image.size, MAX_IMAGE_BYTES);
+    assert_int_equal(vdna_transport_count(*state)->rejected, 1);
+}
+
+static void a_reset_is_an_event_of_its_own(void **state)
+{
+    assert_int_equal(vdna_transport_publish_command(*state, &sample_command), VDNA_OK);
+    assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_RESET);
+
+    assert_int_equal(vdna_transport_publish_command(*state, &sample_command), VDNA_OK);
+    send_picture(*state, 1, 10);
+    assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_RESET | VDNA_TRANSPORT_FRAME);
+    assert_int_equal(vdna_transport_count(*state)->commands, 2);
+}
+
+static void an_unknown_command_is_counted_and_ignored(void **state)
+{
+    vdna_msg_command_t command = sample_command;
+    command.command = 77;
+    assert_int_equal(vdna_transport_publish_command(*state, &command), VDNA_OK);
+    assert_int_equal(poll_events(*state, 0), 0);
+    assert_int_equal(vdna_transport_count(*state)->commands, 1);
+}
+
+static void a_malformed_command_is_rejected(void **state)
+{
+    send_raw(*state, "VDNA_COMMAND", "reset", 5);
+    assert_int_equal(poll_events(*state, 0), 0);
+    assert_int_equal(vdna_transport_count(*state)->commands, 0);
+    assert_int_equal(vdna_transport_count(*state)->rejected, 1);
+}
+
+static void a_flood_is_taken_in_portions(void **state)
+{
+    for (int64_t utime = 1; utime <= 300; utime++)
+        send_picture(*state, utime, 1);
+    assert_int_equal(poll_frame(*state).utime, 256);
+    assert_int_equal(poll_frame(*state).utime, 300);
+    assert_int_equal(poll_events(*state, 0), 0);
+    assert_int_equal(vdna_transport_count(*state)->skipped, 298);
+}
+
+static void an_idle_poll_waits_for_its_timeout(void **state)
+{
+    const int64_t begin_us = monotonic_us();
+    assert_int_equal(poll_events(*state, 50), 0);
+    assert_true(monotonic_us() - begin_us >= 50000);
+}
+
+static void on_alarm(int signal)
+{
+    (void)signal;
+}
+
+static void a_signal_ends_a_poll_without_an_error(void **state)
+{
+    struct sigaction action = {.sa_handler = on_alarm}, before;
+    assert_int_equal(sigaction(SIGALRM, &action, &before), 0);
+    // Again and again, so that one that comes before the poll does no harm.
+    const struct itimerval every_20_ms = {{0, 20000}, {0, 20000}}, never = {{0, 0}, {0, 0}};
+    assert_int_equal(setitimer(ITIMER_REAL, &every_20_ms, NULL), 0);
+    const int64_t begin_us = monotonic_us();
+    const uint32_t events = poll_events(*state, 1000);
+    const int64_t waited_us = monotonic_us() - begin_us;
+    setitimer(ITIMER_REAL, &never, NULL);
+    sigaction(SIGALRM, &before, NULL);
+
+    assert_int_equal(events, 0);
+    assert_true(waited_us < 900000);
+}
+
+static void a_poll_refuses_bad_arguments(void **state)
+{
+    vdna_transport_frame frame;
+    uint32_t events;
+    assert_int_equal(vdna_transport_poll(NULL, 0, &events, &frame), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_poll(*state, -1, &events, &frame), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_poll(*state, 1001, &events, &frame), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_poll(*state, 0, NULL, &frame), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_poll(*state, 0, &events, NULL), VDNA_ERR_ARG);
+}
+
+// --- channels ---
+
+static void a_channel_name_is_not_a_regular_expression(void **state)
+{
+    (void)state;
+    vdna_transport_config config = memq_config();
+    config.camera_channel = "CAM.front+1";
+    vdna_transport *transport = open_with(&config);
+    uint8_t bytes[256];
+    const size_t size = (size_t)bot_core_image_t_encode(bytes, 0, sizeof bytes, &sample_image);
+
+    send_raw(transport, "CAM.front+1", bytes, size);
+    assert_int_equal(poll_frame(transport).utime, sample_image.utime);
+    const char *others[] = {"CAM.front1", "CAMxfront1", "CAM.front+12", "xCAM.front+1", "CAMERA"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        send_raw(transport, others[i], bytes, size);
+    assert_int_equal(poll_events(transport, 0), 0);
+    assert_int_equal(vdna_transport_count(transport)->received, 1);
+    vdna_transport_close(transport);
+}
+
+static void every_character_may_be_in_a_channel_name(void **state)
+{
+    (void)state;
+    vdna_transport_config config = memq_config();
+    config.camera_channel = "^\\d.[a-z]{1,2}|(b)*?+$ #/&=~-_\xc3\xa9";
+    vdna_transport *transport = open_with(&config);
+    send_picture(transport, 5, 10);
+    assert_int_equal(poll_frame(transport).utime, 5);
+    vdna_transport_close(transport);
+}
+
+static void channel_names_have_1_to_63_bytes(void **state)
+{
+    (void)state;
+    char name[65];
+    memset(name, 'x', sizeof name);
+    name[64] = 0;
+    vdna_transport_config config = memq_config();
+    vdna_transport *transport = NULL;
+    vdna_error error = {""};
+
+    config.ranking_channel = name;
+    assert_int_equal(vdna_transport_open(&config, &error, &transport), VDNA_ERR_ARG);
+    assert_non_null(strstr(error.text, "64 bytes"));
+    config.ranking_channel = "";
+    assert_int_equal(vdna_transport_open(&config, &error, &transport), VDNA_ERR_ARG);
+    assert_null(transport);
+
+    config.camera_channel = config.ranking_channel = name + 1;
+    transport = open_with(&config);
+    send_picture(transport, 5, 10);
+    assert_int_equal(poll_frame(transport).utime, 5);
+    vdna_transport_close(transport);
+}
+
+static void a_channel_that_is_null_is_neither_heard_nor_published_on(void **state)
+{
+    (void)state;
+    vdna_transport_config config;
+    vdna_transport_config_init(&config);
+    config.url = "memq://";
+    vdna_transport *t = open_with(&config);
+    const vdna_image image = {sample_pixels, 6, 3, 2, 3, VDNA_PIXEL_GREY};
+    assert_int_equal(vdna_transport_publish_ranking(t, &sample_ranking), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_publish_localisation(t, &sample_localisation), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_publish_status(t, &sample_status), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_publish_command(t, &sample_command), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_publish_image(t, 1, &image), VDNA_ERR_ARG);
+    send_raw(t, "CAMERA", "", 0);
+    assert_int_equal(poll_events(t, 0), 0);
+    assert_int_equal(vdna_transport_count(t)->rejected, 0);
+    vdna_transport_close(t);
+}
+
+// --- out ---
+
+// What came in on a channel, for a look at what was published.
+typedef struct received {
+    uint8_t bytes[512];
+    uint32_t size;
+} received;
+
+static void keep_bytes(const lcm_recv_buf_t *message, const char *channel, void *context)
+{
+    (void)channel;
+    received *kept = context;
+    assert_in_range(message->data_size, 1, sizeof kept->bytes);
+    memcpy(kept->bytes, message->data, message->data_size);
+    kept->size = message->data_size;
+}
+
+static void a_published_ranking_passes_the_check_and_decodes_to_itself(void **state)
+{
+    vdna_transport *transport = *state;
+    received kept = {.size = 0};
+    lcm_subscribe(transport->lcm, "VDNA_RANKING", keep_bytes, &kept);
+    assert_int_equal(vdna_transport_publish_ranking(transport, &sample_ranking), VDNA_OK);
+    assert_int_equal(poll_events(transport, 0), 0);
+    assert_int_equal(vdna_transport_check_ranking(kept.bytes, kept.size), VDNA_OK);
+
+    vdna_msg_ranking_t ranking;
+    assert_int_equal(vdna_msg_ranking_t_decode(kept.bytes, 0, (int)kept.size, &ranking), kept.size);
+    assert_int_equal(ranking.utime, sample_ranking.utime);
+    assert_int_equal(ranking.window_begin_utime, sample_ranking.window_begin_utime);
+    assert_int_equal(ranking.window_frames, 42);
+    assert_int_equal(ranking.validity, VDNA_MSG_RANKING_T_VALID);
+    assert_string_equal(ranking.backbone, "lite0");
+    assert_string_equal(ranking.comparable, "ab12");
+    assert_true(ranking.margin_bins == 1.75);
+    assert_int_equal(ranking.count, 2);
+    assert_string_equal(ranking.experience[0], "autumn");
+    assert_string_equal(ranking.experience[1], "snow");
+    assert_memory_equal(ranking.distance_bins, sample_distances, sizeof sample_distances);
+    assert_memory_equal(ranking.tied, sample_tied, sizeof sample_tied);
+    assert_memory_equal(ranking.predicted_recall, sample_recalls, sizeof sample_recalls);
+    vdna_msg_ranking_t_decode_cleanup(&ranking);
+}
+
+static void a_published_localisation_passes_the_check_and_decodes_to_itself(void **state)
+{
+    vdna_transport *transport = *state;
+    received kept = {.size = 0};
+    lcm_subscribe(transport->lcm, "VDNA_LOCALISATION", keep_bytes, &kept);
+    assert_int_equal(vdna_transport_publish_localisation(transport, &sample_localisation), VDNA_OK);
+    assert_int_equal(poll_events(transport, 0), 0);
+    assert_int_equal(vdna_transport_check_localisation(kept.bytes, kept.size), VDNA_OK);
+
+    vdna_msg_localisation_t answer;
+    assert_int_equal(vdna_msg_localisation_t_decode(kept.bytes, 0, (int)kept.size, &answer),
+                     kept.size);
+    assert_int_equal(answer.utime, sample_localisation.utime);
+    assert_int_equal(answer.validity, VDNA_MSG_LOCALISATION_T_VALID);
+    assert_string_equal(answer.experience, "snow");
+    assert_int_equal(answer.frame, 7);
+    assert_int_equal(answer.frame_utime, -1);
+    assert_int_equal(answer.has_place, 1);
+    assert_int_equal(answer.place, 99);
+    assert_int_equal(answer.has_position, 1);
+    assert_memory_equal(answer.position, sample_localisation.position, sizeof answer.position);
+    assert_true(answer.distance == 0.125);
+    assert_true(answer.predicted_recall == 0.5);
+    assert_int_equal(answer.latency_us, 20000);
+    vdna_msg_localisation_t_decode_cleanup(&answer);
+}
+
+static void a_published_status_passes_the_check_and_decodes_to_itself(void **state)
+{
+    vdna_transport *transport = *state;
+    received kept = {.size = 0};
+    lcm_subscribe(transport->lcm, "VDNA_STATUS", keep_bytes, &kept);
+    assert_int_equal(vdna_transport_publish_status(transport, &sample_status), VDNA_OK);
+    assert_int_equal(poll_events(transport, 0), 0);
+    assert_int_equal(vdna_transport_check_status(kept.bytes, kept.size), VDNA_OK);
+
+    vdna_msg_status_t status;
+    assert_int_equal(vdna_msg_status_t_decode(kept.bytes, 0, (int)kept.size, &status), kept.size);
+    assert_int_equal(status.utime, sample_status.utime);
+    assert_int_equal(status.state, VDNA_MSG_STATUS_T_SELECTED);
+    assert_true(status.progress == 1);
+    assert_string_equal(status.experience, "snow");
+    assert_int_equal(status.experiences, 2);
+    assert_string_equal(status.backbone, "lite0");
+    assert_string_equal(status.version, "0.1.0");
+    assert_int_equal(status.received, 100);
+    assert_int_equal(status.resident_bytes, 50000000);
+    assert_string_equal(status.message, "");
+    vdna_msg_status_t_decode_cleanup(&status);
+}
+
+static void messages_with_missing_parts_are_not_published(void **state)
+{
+    vdna_msg_ranking_t ranking = sample_ranking;
+    ranking.count = -1;
+    assert_int_equal(vdna_transport_publish_ranking(*state, &ranking), VDNA_ERR_ARG);
+    ranking.count = 2;
+    ranking.tied = NULL;
+    assert_int_equal(vdna_transport_publish_ranking(*state, &ranking), VDNA_ERR_ARG);
+    ranking.tied = sample_tied;
+    char *nameless[] = {"autumn", NULL};
+    ranking.experience = nameless;
+    assert_int_equal(vdna_transport_publish_ranking(*state, &ranking), VDNA_ERR_ARG);
+
+    vdna_msg_localisation_t localisation = sample_localisation;
+    localisation.experience = NULL;
+    assert_int_equal(vdna_transport_publish_localisation(*state, &localisation), VDNA_ERR_ARG);
+    vdna_msg_status_t status = sample_status;
+    status.message = NULL;
+    assert_int_equal(vdna_transport_publish_status(*state, &status), VDNA_ERR_ARG);
+    vdna_msg_command_t command = sample_command;
+    command.argument = NULL;
+    assert_int_equal(vdna_transport_publish_command(*state, &command), VDNA_ERR_ARG);
+}
+
+static void pictures_that_do_not_fit_the_message_are_not_published(void **state)
+{
+    const vdna_image good = {sample_pixels, 6, 3, 2, 3, VDNA_PIXEL_GREY};
+    vdna_image image = good;
+    image.pixelformat = VDNA_PIXEL_ENCODED;
+    assert_int_equal(vdna_transport_publish_image(*state, 1, &image), VDNA_ERR_ARG);
+    image = good;
+    image.width = 1u << 31;
+    assert_int_equal(vdna_transport_publish_image(*state, 1, &image), VDNA_ERR_ARG);
+    image = good;
+    image.size = LCM_MAX_MESSAGE_SIZE;
+    assert_int_equal(vdna_transport_publish_image(*state, 1, &image), VDNA_ERR_ARG);
+    image = good;
+    image.data = NULL;
+    assert_int_equal(vdna_transport_publish_image(*state, 1, &image), VDNA_ERR_ARG);
+}
+
+// --- opening ---
+
+static void the_defaults_are_lcm_s_own_network_and_8_mib(void **state)
+{
+    (void)state;
+    vdna_transport_config config;
+    memset(&config, 0xff, sizeof config);
+    vdna_transport_config_init(&config);
+    assert_int_equal(config.struct_size, sizeof config);
+    assert_int_equal(config.max_image_bytes, 8 * 1024 * 1024);
+    assert_null(config.url);
+    assert_null(config.camera_channel);
+    assert_null(config.command_channel);
+    assert_null(config.ranking_channel);
+    assert_null(config.localisation_channel);
+    assert_null(config.status_channel);
+}
+
+static void without_a_url_the_environment_decides(void **state)
+{
+    (void)state;
+    vdna_transport_config config = memq_config();
+    config.url = NULL;
+    setenv("LCM_DEFAULT_URL", "memq://", 1);
+    vdna_transport *transport = open_with(&config);
+    unsetenv("LCM_DEFAULT_URL");
+    send_picture(transport, 1, 10);
+    assert_int_equal(poll_frame(transport).utime, 1);
+    vdna_transport_close(transport);
+}
+
+static void a_bad_url_is_named_with_an_example_of_a_good_one(void **state)
+{
+    (void)state;
+    const char *bad[] = {"carrier-pigeon://loft", "/var/log/my.log", "file:///no/such/folder/a.log",
+                         "udpm://300.300.300.300:7667"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        vdna_transport_config config = memq_config();
+        config.url = bad[i];
+        vdna_transport *transport = NULL;
+        vdna_error error = {""};
+        assert_int_equal(vdna_transport_open(&config, &error, &transport), VDNA_ERR_IO);
+        assert_null(transport);
+        assert_non_null(strstr(error.text, bad[i]));
+        assert_non_null(strstr(error.text, "udpm://239.255.76.67:7667?ttl=0"));
+    }
+}
+
+static void a_bad_configuration_is_refused(void **state)
+{
+    (void)state;
+    vdna_transport *transport = NULL;
+    assert_int_equal(vdna_transport_open(NULL, NULL, &transport), VDNA_ERR_ARG);
+    vdna_transport_config config = memq_config();
+    assert_int_equal(vdna_transport_open(&config, NULL, NULL), VDNA_ERR_ARG);
+    config.max_image_bytes = 0;
+    assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
+    config.max_image_bytes = LCM_MAX_MESSAGE_SIZE + 1;
+    assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
+    config = memq_config();
+    config.struct_size--;
+    assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
+    assert_null(transport);
+}
+
+// --- logs ---
+
+static void a_log_hands_out_every_frame_and_then_ends(void **state)
+{
+    (void)state;
+    char path[] = "/tmp/vdna_test_transport_XXXXXX";
+    const int descriptor = mkstemp(path);
+    assert_true(descriptor >= 0);
+    close(descriptor);
+    char url[64];
+
+    vdna_transport_config config = memq_config();
+    config.url = url;
+    snprintf(url, sizeof url, "file://%s?mode=w", path);
+    vdna_transport *writer = open_with(&config);
+    send_raw(writer, "POSE", "not for us", 10);
+    send_picture(writer, 1, 10);
+    send_picture(writer, 2, 10);
+    assert_int_equal(vdna_transport_publish_command(writer, &sample_command), VDNA_OK);
+    send_picture(writer, 3, 10);
+    vdna_transport_close(writer);
+
+    snprintf(url, sizeof url, "file://%s?speed=0", path);
+    vdna_transport *reader = open_with(&config);
+    assert_int_equal(poll_frame(reader).utime, 1);
+    assert_int_equal(poll_frame(reader).utime, 2);
+    assert_int_equal(poll_events(reader, 0), VDNA_TRANSPORT_RESET);
+    assert_int_equal(poll_frame(reader).utime, 3);
+    assert_int_equal(vdna_transport_count(reader)->skipped, 0);
+    for (int again = 0; again < 2; again++) {
+        vdna_transport_frame frame;
+        uint32_t events;
+        assert_int_equal(vdna_transport_poll(reader, 100, &events, &frame), VDNA_ERR_IO);
+    }
+    vdna_transport_close(reader);
+    unlink(path);
+}
+
+#define ON_MEMQ(test) cmocka_unit_test_setup_teardown(test, open_on_memq, close_transport)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        ON_MEMQ(a_frame_comes_with_all_its_fields),
+        ON_MEMQ(a_frame_of_another_camera_driver_comes_without_its_metadata),
+        ON_MEMQ(of_several_frames_the_newest_is_kept_and_the_others_are_skipped),
+        ON_MEMQ(a_frame_is_handed_out_once_and_then_is_not_skipped),
+        ON_MEMQ(a_malformed_frame_is_rejected_and_the_frame_before_it_kept),
+        ON_MEMQ(a_picture_of_the_largest_size_is_taken_and_one_byte_more_rejected),
+        ON_MEMQ(a_reset_is_an_event_of_its_own),
+        ON_MEMQ(an_unknown_command_is_counted_and_ignored),
+        ON_MEMQ(a_malformed_command_is_rejected),
+        ON_MEMQ(a_flood_is_taken_in_portions),
+        ON_MEMQ(an_idle_poll_waits_for_its_timeout),
+        ON_MEMQ(a_signal_ends_a_poll_without_an_error),
+        ON_MEMQ(a_poll_refuses_bad_arguments),
+        cmocka_unit_test(a_channel_name_is_not_a_regular_expression),
+        cmocka_unit_test(every_character_may_be_in_a_channel_name),
+        cmocka_unit_test(channel_names_have_1_to_63_bytes),
+        cmocka_unit_test(a_channel_that_is_null_is_neither_heard_nor_published_on),
+        ON_MEMQ(a_published_ranking_passes_the_check_and_decodes_to_itself),
+        ON_MEMQ(a_published_localisation_passes_the_check_and_decodes_to_itself),
+        ON_MEMQ(a_published_status_passes_the_check_and_decodes_to_itself),
+        ON_MEMQ(messages_with_missing_parts_are_not_published),
+        ON_MEMQ(pictures_that_do_not_fit_the_message_are_not_published),
+        cmocka_unit_test(the_defaults_are_lcm_s_own_network_and_8_mib),
+        cmocka_unit_test(without_a_url_the_environment_decides),
+        cmocka_unit_test(a_bad_url_is_named_with_an_example_of_a_good_one),
+        cmocka_unit_test(a_bad_configuration_is_refused),
+        cmocka_unit_test(a_log_hands_out_every_frame_and_then_ends),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
