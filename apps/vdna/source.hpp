@@ -22,7 +22,8 @@ struct SourceOptions {
     std::string labels;            // CSV file; "" = the folder's own labels.csv, if it has one
     bool labelled = true;          // false: labels are not wanted and not looked at
     uint64_t skip = 0;             // frames left out at the beginning
-    uint64_t every = 1;            // of the rest, keep one frame of so many
+    uint64_t every = 1;            // of the rest, keep one frame of so many, >= 1
+    bool skip_bad = false;         // for Pass: leave out frames that cannot be used
 };
 
 // One frame. `image.data` is borrowed until the next frame is asked for.

@@ -1,0 +1,68 @@
+// vdna calibrate - find the ranges of a backbone from pictures, and keep them in a file.
+#include "commands.hpp"
+#include "options.hpp"
+#include "pass.hpp"
+#include "print.hpp"
+#include "ranges.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+struct CalibrateOptions {
+    std::string out;
+    std::vector<std::string> sources;
+    NetworkOptions network;
+    SourceOptions source;
+    uint32_t rule = VDNA_RANGE_ABOUT_MIDPOINT;
+    bool force = false;
+};
+
+void calibrate(CalibrateOptions options)
+{
+    if (std::filesystem::exists(options.out) && !options.force)
+        throw Error(options.out + ": exists already; replace it with --force");
+    options.source.labelled = false;
+    Backbone backbone(options.network.backbone, options.network.threads);
+    Calibration calibration(backbone.info());
+    uint64_t frames = 0, bad = 0;
+    for (const std::string &source : options.sources) {
+        Pass pass(source, options.source, backbone);
+        for (; pass.next(); frames++)
+            calibration.observe(pass.output(), pass.frame().name);
+        bad += pass.bad();
+    }
+    if (frames == 0)
+        throw Error("none of the " + std::to_string(bad) + " frames can be used");
+    write_ranges(calibration.ranges(options.rule), options.rule, options.out);
+    std::cout << options.out << ": ranges of " << backbone.info().neurons << " neurons from "
+              << frames << " frames\n";
+}
+
+} // namespace
+
+void add_calibrate(CLI::App &app)
+{
+    CLI::App *command = app.add_subcommand(
+        "calibrate", "Find the ranges of a backbone from pictures, and keep them in a file");
+    const auto options = std::make_shared<CalibrateOptions>();
+    options->network.backbone = default_backbone;
+    command->add_option("out", options->out, "ranges file to write, JSON")
+        ->type_name("OUT.json")
+        ->required();
+    command->add_option("source", options->sources, "folder of pictures, video file or LCM log")
+        ->type_name("SOURCE")
+        ->required();
+    add_network_options(*command, options->network, default_backbone);
+    add_source_options(*command, options->source);
+    add_range_rule_option(*command, options->rule);
+    command->add_flag("--force", options->force, "replace OUT.json if it exists");
+    command->footer("Examples:\n"
+                    "  vdna calibrate ranges.json winter/ summer/\n"
+                    "  vdna build --ranges ranges.json park winter/");
+    command->callback([options] { calibrate(*options); });
+}
+
+} // namespace vdna

@@ -1,0 +1,126 @@
+// vdna info - what experience files and maps hold.
+#include <algorithm>
+#include <numeric>
+
+#include "commands.hpp"
+#include "error.hpp"
+#include "experience.hpp"
+#include "print.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+struct InfoOptions {
+    std::vector<std::string> paths;
+    bool json = false;
+};
+
+// Least and greatest of `count` numbers that lie `stride` apart.
+template <typename Number>
+Json bounds_of(const Number *values, size_t count, size_t stride = 1)
+{
+    Number lo = values[0], hi = values[0];
+    for (size_t i = 0; i < count; i++) {
+        lo = std::min(lo, values[i * stride]);
+        hi = std::max(hi, values[i * stride]);
+    }
+    return {lo, hi};
+}
+
+Json labels_of(const vdna_experience &e)
+{
+    Json labels = Json::object();
+    if (e.frame_place)
+        labels["place"] = bounds_of(e.frame_place, e.frames);
+    if (e.frame_position)
+        for (size_t axis = 0; axis < 3; axis++)
+            labels["position_m"].push_back(bounds_of(e.frame_position + axis, e.frames, 3));
+    return labels;
+}
+
+Json json_of(const Experience &file)
+{
+    const vdna_experience &e = *file.get();
+    const double grey = std::accumulate(e.frame_grey, e.frame_grey + e.frames, 0.0) / e.frames;
+    return {{"file", file.path().string()},
+            {"experience", e.name},
+            {"bytes", e.mapping_size},
+            {"frames", e.frames},
+            {"utime", bounds_of(e.frame_utime, e.frames)},
+            {"labels", labels_of(e)},
+            {"mean_grey", grey},
+            {"neurons", e.neurons},
+            {"bins", e.bins},
+            {"mass", bounds_of(e.mass, e.neurons)},
+            {"dim", e.dim},
+            {"backbone", e.backbone},
+            {"model_sha256", e.model_sha256},
+            {"preprocessing", e.preprocessing},
+            {"taps", e.taps},
+            {"comparable", e.comparable}};
+}
+
+void print_text(const Json &json)
+{
+    for (const auto &[key, value] : json.items()) {
+        const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+        std::cout << (key == "file" ? "" : "  ") << key << ": " << text << '\n';
+    }
+}
+
+// Why these experiences do not compare; "" if they do.
+std::string mismatch_of(const std::vector<Experience> &files)
+{
+    for (const Experience &file : files) {
+        vdna_error error{};
+        if (vdna_experience_compare(files.front().get(), file.get(), &error) != VDNA_OK)
+            return file.path().string() + ": does not compare with " +
+                   files.front().path().string() + ": " + error.text;
+    }
+    return "";
+}
+
+void info(const InfoOptions &options)
+{
+    std::vector<std::string> mismatches;
+    Json experiences = Json::array();
+    for (const std::string &path : options.paths) {
+        const std::vector<Experience> files = open_experiences({path});
+        for (const Experience &file : files)
+            experiences.push_back(json_of(file));
+        const std::string mismatch = mismatch_of(files);
+        if (!mismatch.empty())
+            mismatches.push_back(mismatch);
+    }
+    if (options.json)
+        print_json({{"experiences", experiences}, {"mismatches", mismatches}});
+    else
+        for (const Json &experience : experiences)
+            print_text(experience);
+    if (!mismatches.empty())
+        throw Error(mismatches.front() + "; rebuild it with `vdna build --force`");
+}
+
+} // namespace
+
+void add_info(CLI::App &app)
+{
+    CLI::App *command = app.add_subcommand("info", "Tell what experience files and maps hold");
+    const auto options = std::make_shared<InfoOptions>();
+    command
+        ->add_option("path", options->paths,
+                     "experience files, or map directories, whose experiences must also compare")
+        ->type_name("PATH")
+        ->required();
+    command->add_flag("--json", options->json, "report as JSON");
+    command->footer("Times are in microseconds; [a, b] are least and greatest values.\n\n"
+                    "Examples:\n"
+                    "  vdna info park\n"
+                    "  vdna info --json park/winter.vdna");
+    command->callback([options] { info(*options); });
+}
+
+} // namespace vdna

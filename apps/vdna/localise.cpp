@@ -1,0 +1,183 @@
+// vdna localise - find live frames in the experiences of a map, and say how often that was right.
+#include <cmath>
+#include <iomanip>
+
+#include "candidates.hpp"
+#include "commands.hpp"
+#include "difference_matrix.hpp"
+#include "localisation.hpp"
+#include "options.hpp"
+#include "print.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+struct LocaliseOptions {
+    std::string live;
+    std::string map;
+    NetworkOptions network;
+    SourceOptions source;
+    std::vector<std::string> in;
+    double tolerance = 5;
+    std::string matrix;
+    bool matches = false;
+    bool json = false;
+};
+
+Recording record(const LocaliseOptions &options, const Map &map)
+{
+    const NetworkOptions &network = options.network;
+    Backbone backbone(network.backbone.empty() ? map.experiences().front().backbone
+                                               : network.backbone,
+                      network.threads);
+    map.require_backbone(backbone.info());
+    Recording live;
+    Pass pass(options.live, options.source, backbone);
+    while (pass.next())
+        live.add(pass);
+    live.bad = pass.bad();
+    if (live.frames == 0)
+        throw Error(options.live + ": none of its " + std::to_string(live.bad) +
+                    " frames can be used");
+    return live;
+}
+
+std::vector<const vdna_experience *> picked_from(const Map &map,
+                                                 const std::vector<std::string> &names)
+{
+    std::vector<const vdna_experience *> picked;
+    for (const size_t i : names.empty() ? all_but(map, {}) : named_in(map, names))
+        picked.push_back(&map.experiences()[i]);
+    return picked;
+}
+
+void report_line(const Localisation &l, int width)
+{
+    std::cout << std::left << std::setw(width) << l.experience << std::right;
+    if (l.unit == Unit::none)
+        std::cout << "         -         -            -  not labelled alike\n";
+    else
+        std::cout << std::setw(10) << fixed(l.recall_percent(), 2) << std::setw(10) << l.good()
+                  << std::setw(13) << l.unreachable() << '\n';
+}
+
+void report(const LocaliseOptions &options, const Recording &live,
+            const std::vector<Localisation> &results)
+{
+    size_t width = std::string("experience").size();
+    for (const Localisation &l : results)
+        width = std::max(width, l.experience.size());
+    std::cout << options.live << ": " << live.frames << " frames";
+    if (live.bad > 0)
+        std::cout << ", " << live.bad << " bad ones left out";
+    if (results.front().unit != Unit::none)
+        std::cout << ", tolerance " << options.tolerance << ' ' << name_of(results.front().unit);
+    std::cout << '\n'
+              << std::left << std::setw(static_cast<int>(width)) << "experience" << std::right
+              << "  recall/%      good  unreachable\n";
+    for (const Localisation &l : results)
+        report_line(l, static_cast<int>(width));
+    if (results.size() > 1)
+        report_line(composite_of(results), static_cast<int>(width));
+}
+
+Json json_of(const Localisation &l, const Recording &live, bool with_matches)
+{
+    const bool labelled = l.unit != Unit::none;
+    Json json = {{"experience", l.experience},
+                 {"unit", labelled ? Json(name_of(l.unit)) : Json()},
+                 {"recall_percent", labelled ? Json(l.recall_percent()) : Json()},
+                 {"good", labelled ? Json(l.good()) : Json()},
+                 {"unreachable", labelled ? Json(l.unreachable()) : Json()}};
+    if (!with_matches)
+        return json;
+    json["matches"] = Json::array();
+    for (size_t i = 0; i < l.matches.size(); i++) {
+        const Match &match = l.matches[i];
+        json["matches"].push_back({{"live_frame", live.index[i]},
+                                   {"utime", live.utime[i]},
+                                   {"experience", match.experience->name},
+                                   {"frame", match.frame},
+                                   {"frame_utime", match.experience->frame_utime[match.frame]},
+                                   {"distance", match.distance},
+                                   {"good", labelled ? Json(match.good) : Json()}});
+    }
+    return json;
+}
+
+void report_json(const LocaliseOptions &options, const Recording &live,
+                 const std::vector<Localisation> &results)
+{
+    Json candidates = Json::array();
+    for (const Localisation &l : results)
+        candidates.push_back(json_of(l, live, options.matches));
+    print_json({{"live", options.live},
+                {"frames", live.frames},
+                {"bad_frames", live.bad},
+                {"tolerance", options.tolerance},
+                {"candidates", candidates},
+                {"all", json_of(composite_of(results), live, options.matches)}});
+}
+
+void localise(const LocaliseOptions &options)
+{
+    const Map map(options.map);
+    const std::vector<const vdna_experience *> picked = picked_from(map, options.in);
+    const Recording live = record(options, map);
+    std::vector<Localisation> results;
+    for (const vdna_experience *experience : picked)
+        results.push_back(localise_in(*experience, live, options.tolerance));
+    if (!options.matrix.empty())
+        draw_difference_matrices(live, picked, results, options.matrix);
+    options.json ? report_json(options, live, results) : report(options, live, results);
+}
+
+} // namespace
+
+void add_localise(CLI::App &app)
+{
+    CLI::App *command = app.add_subcommand(
+        "localise",
+        "Find live frames in the experiences of a map, and say how often that is right");
+    const auto options = std::make_shared<LocaliseOptions>();
+    command
+        ->add_option("live", options->live,
+                     "folder of pictures, video file or LCM log; Recall@1 is told if it is "
+                     "labelled as the map is")
+        ->type_name("LIVE_SOURCE")
+        ->required();
+    command->add_option("map", options->map, "directory of the map")->type_name("MAP")->required();
+    command
+        ->add_option("--in", options->in,
+                     "experiences to localise in, each in turn and all together (default: all)")
+        ->type_name("NAME");
+    command->add_option("--skip", options->source.skip, "leave out the first N frames, the warmup")
+        ->type_name("N")
+        ->capture_default_str();
+    command
+        ->add_option("--tolerance", options->tolerance,
+                     "a match is good within so many places, or metres where both sides have "
+                     "positions")
+        ->check(CLI::NonNegativeNumber)
+        ->type_name("T")
+        ->capture_default_str();
+    command
+        ->add_option("--matrix", options->matrix,
+                     "draw the difference matrices: near = black, far = white, good matches "
+                     "blue, others orange")
+        ->type_name("OUT.png");
+    add_network_options(*command, options->network, "that of the map");
+    add_source_options(*command, options->source);
+    add_labels_option(*command, options->source);
+    command->add_flag("--matches", options->matches, "with --json: list the match of every frame");
+    command->add_flag("--json", options->json, "report as JSON");
+    command->footer("Examples:\n"
+                    "  vdna localise --skip 42 --tolerance 10 today/ park\n"
+                    "  vdna localise today/ park --in winter --matrix winter.png");
+    command->callback([options] { localise(*options); });
+}
+
+} // namespace vdna

@@ -1,0 +1,66 @@
+// vdna - one command for maps. The sub-commands are in files of their own.
+#include <iostream>
+
+#include <vdna/version.h>
+
+#include "commands.hpp"
+#include "error.hpp"
+#include "interrupt/interrupt.hpp"
+
+namespace
+{
+
+void add_commands(CLI::App &app)
+{
+    vdna::add_build(app);
+    vdna::add_calibrate(app);
+    vdna::add_info(app);
+    vdna::add_rank(app);
+    vdna::add_localise(app);
+    vdna::add_play(app);
+    vdna::add_watch(app);
+    vdna::add_simulate(app);
+}
+
+int fail(const std::string &sentence, int code)
+{
+    std::cerr << "vdna: " << sentence << '\n';
+    return code;
+}
+
+// Parse the command line; the sub-command's callback does the work.
+int run(CLI::App &app, int argc, char **argv)
+{
+    try {
+        app.parse(argc, argv);
+        if (app.get_subcommands().empty())
+            std::cout << app.help();
+        // A full disk or a closed pipe is noticed here, not by whoever reads half a report.
+        if (!std::cout.flush())
+            throw vdna::Error("standard output: cannot write");
+        return vdna::exit_ok;
+    } catch (const CLI::Success &request) {
+        return app.exit(request); // --help and --version
+    } catch (const CLI::ParseError &e) {
+        return fail(std::string(e.what()) + "; see vdna --help", vdna::exit_usage);
+    } catch (const vdna::Error &e) {
+        return fail(e.what(), e.code());
+    } catch (const std::exception &e) {
+        return fail(e.what(), vdna::exit_failed);
+    }
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    vdna::catch_interrupts();
+    CLI::App app("Onboard experience selection: make maps of recorded traversals, rank them by "
+                 "Visual DNA, localise in them");
+    app.set_version_flag("--version", std::string("vdna ") + vdna_version());
+    app.require_subcommand(0, 1);
+    app.footer("vdna COMMAND --help tells more. Exit codes: 0 done, 1 the input or the system did "
+               "not allow it, 2 wrong usage, 130 interrupted. Nothing half-written is left.");
+    add_commands(app);
+    return run(app, argc, argv);
+}

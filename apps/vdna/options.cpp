@@ -1,0 +1,67 @@
+#include "options.hpp"
+
+#include <map>
+
+#include "ranges.hpp"
+
+namespace vdna
+{
+
+const char *const default_backbone = "efficientnet_lite0";
+
+void add_network_options(CLI::App &command, NetworkOptions &options,
+                         const std::string &default_text)
+{
+    command
+        .add_option("--backbone", options.backbone,
+                    "manifest of the network: its name, or the path of a .toml file (default: " +
+                        default_text + ")")
+        ->type_name("NAME|PATH");
+    command.add_option("--threads", options.threads, "compute threads of the network")
+        ->check(CLI::Range(1, 64))
+        ->capture_default_str();
+}
+
+void add_source_options(CLI::App &command, SourceOptions &options)
+{
+    command
+        .add_option("--rate", options.rate_hz,
+                    "frames per second of pictures whose labels carry no utime")
+        ->check(CLI::PositiveNumber)
+        ->type_name("HZ")
+        ->capture_default_str();
+    command.add_option("--camera", options.camera, "camera channel of an LCM log")
+        ->type_name("CHANNEL")
+        ->capture_default_str();
+    command.add_option("--every", options.every, "use every N-th frame only")
+        ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 32))
+        ->type_name("N")
+        ->capture_default_str();
+    command.add_flag("--skip-bad", options.skip_bad,
+                     "leave out pictures that cannot be decoded, and count them");
+}
+
+void add_labels_option(CLI::App &command, SourceOptions &options)
+{
+    command
+        .add_option("--labels", options.labels,
+                    "table with the columns file or frame, and place, or x,y[,z] in metres, or "
+                    "lat,lon[,alt] in degrees, and utime in microseconds if known (default: "
+                    "SOURCE/labels.csv where it exists)")
+        ->type_name("CSV");
+}
+
+void add_range_rule_option(CLI::App &command, uint32_t &rule)
+{
+    const std::map<std::string, uint32_t> rules = {
+        {range_rules[VDNA_RANGE_ABOUT_MIDPOINT], VDNA_RANGE_ABOUT_MIDPOINT},
+        {range_rules[VDNA_RANGE_ABOUT_ZERO], VDNA_RANGE_ABOUT_ZERO}};
+    command
+        .add_option("--range-rule", rule,
+                    "calibrating: widen what was seen by 1.2 about its midpoint, or about zero")
+        ->transform(CLI::CheckedTransformer(rules).description("midpoint|zero"))
+        ->type_name("")
+        ->default_str(range_rules[rule]);
+}
+
+} // namespace vdna

@@ -1,0 +1,142 @@
+#include "ranges.hpp"
+
+#include <filesystem>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include "check.hpp"
+#include "experience.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char *format_name = "vdna-ranges";
+constexpr int format_version = 1;
+
+uint32_t neurons_of(const Ranges &ranges)
+{
+    return static_cast<uint32_t>(ranges.values.size() / 2);
+}
+
+Ranges from_experience(const std::string &path)
+{
+    const Experience file(path);
+    const vdna_experience &e = *file.get();
+    return {path,           e.backbone,
+            e.model_sha256, e.preprocessing,
+            e.taps,         {e.range, e.range + size_t{2} * e.neurons}};
+}
+
+Ranges from_json(const std::string &path, const Json &json)
+{
+    if (json.at("format") != format_name || json.at("version") != format_version)
+        throw Error(path + ": found format " + json.at("format").dump() + " version " +
+                    json.at("version").dump() + ", expected \"vdna-ranges\" version 1");
+    Ranges ranges{path,
+                  json.at("backbone"),
+                  json.at("model_sha256"),
+                  json.at("preprocessing"),
+                  json.at("taps"),
+                  {}};
+    for (const auto &[lo, hi] : json.at("range").get<std::vector<std::pair<float, float>>>())
+        ranges.values.insert(ranges.values.end(), {lo, hi});
+    if (vdna_range_check(ranges.values.data(), neurons_of(ranges)) != VDNA_OK)
+        throw Error(path + ": a range is empty or not finite, expected lo < hi for each neuron");
+    return ranges;
+}
+
+} // namespace
+
+const char *const range_rules[2] = {"midpoint", "zero"};
+
+Calibration::Calibration(const vdna_backbone_info &backbone)
+    : observed_{"calibration",         backbone.name,
+                backbone.model_sha256, backbone.preprocessing,
+                backbone.taps,         std::vector<float>(size_t{2} * backbone.neurons)}
+{
+    require_ok(vdna_range_clear(observed_.values.data(), backbone.neurons), observed_.origin);
+}
+
+void Calibration::observe(const vdna_backbone_frame &frame, const std::string &where)
+{
+    require_ok(vdna_range_observe(observed_.values.data(), neurons_of(observed_), frame.taps,
+                                  frame.tap_count),
+               where);
+}
+
+Ranges Calibration::ranges(uint32_t rule) const
+{
+    Ranges expanded = observed_;
+    require_ok(
+        vdna_range_expand(expanded.values.data(), neurons_of(expanded), VDNA_RANGE_FACTOR, rule),
+        expanded.origin);
+    return expanded;
+}
+
+Ranges read_ranges(const std::string &path)
+{
+    if (std::filesystem::path(path).extension() == VDNA_MAP_EXTENSION)
+        return from_experience(path);
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream)
+        throw Error(path + ": cannot open, expected a ranges file of `vdna calibrate`");
+    try {
+        return from_json(path, Json::parse(stream));
+    } catch (const Json::exception &e) {
+        throw Error(path +
+                    ": not a ranges file of `vdna calibrate` or an experience file: " + e.what());
+    }
+}
+
+void write_ranges(const Ranges &ranges, uint32_t rule, const std::string &path)
+{
+    Json pairs = Json::array();
+    for (size_t i = 0; i < ranges.values.size(); i += 2)
+        pairs.push_back({ranges.values[i], ranges.values[i + 1]});
+    const Json json = {{"format", format_name},
+                       {"version", format_version},
+                       {"backbone", ranges.backbone},
+                       {"model_sha256", ranges.model_sha256},
+                       {"preprocessing", ranges.preprocessing},
+                       {"taps", ranges.taps},
+                       {"factor", VDNA_RANGE_FACTOR},
+                       {"rule", range_rules[rule]},
+                       {"range", pairs}};
+    const std::string part = path + ".part";
+    std::ofstream stream(part, std::ios::binary);
+    stream << json.dump() << '\n';
+    stream.close();
+    std::error_code failure;
+    if (stream)
+        std::filesystem::rename(part, path, failure);
+    if (!stream || failure) {
+        std::error_code unused;
+        std::filesystem::remove(part, unused);
+        throw Error(path + ": cannot write this file" + (failure ? ": " + failure.message() : ""));
+    }
+}
+
+void require_backbone(const Ranges &ranges, const vdna_backbone_info &backbone)
+{
+    const auto require_same = [&](const char *field, const std::string &found,
+                                  const std::string &expected) {
+        if (found != expected)
+            throw Error(ranges.origin + ": " + field + " is " + found + " (backbone " +
+                        ranges.backbone + "), expected " + expected + " of backbone " +
+                        backbone.name + "; use the other backbone, or `vdna calibrate --backbone " +
+                        backbone.name + "`");
+    };
+    require_same("model_sha256", ranges.model_sha256, backbone.model_sha256);
+    require_same("preprocessing", ranges.preprocessing, backbone.preprocessing);
+    require_same("taps", ranges.taps, backbone.taps);
+    require_same("number of neurons", std::to_string(neurons_of(ranges)),
+                 std::to_string(backbone.neurons));
+}
+
+} // namespace vdna

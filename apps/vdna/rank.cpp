@@ -1,0 +1,332 @@
+// vdna rank - order experiences by the distance of their Visual DNA to a query.
+#include <charconv>
+#include <iomanip>
+
+#include <vdna/rank.h>
+
+#include "candidates.hpp"
+#include "check.hpp"
+#include "commands.hpp"
+#include "experience.hpp"
+#include "options.hpp"
+#include "pass.hpp"
+#include "print.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+struct RankOptions {
+    std::vector<std::string> paths;
+    NetworkOptions network;
+    SourceOptions source;
+    std::string warmup = "100";
+    std::vector<std::string> exclude;
+    bool per_tap = false;
+    bool json = false;
+};
+
+// One tap's place in the order of the neurons.
+struct Tap {
+    std::string name;
+    size_t begin; // first neuron
+    size_t end;   // past the last one
+};
+
+// A ranking and what to say about it.
+struct Ranking {
+    std::string query;
+    uint32_t frames = 0;            // of the query
+    uint64_t restarts = 0;          // of the warmup, because camera time ran backwards
+    uint64_t bad = 0;               // frames that could not be used
+    std::vector<std::string> names; // [candidates]
+    std::vector<vdna_rank_entry> entries;
+    std::vector<Tap> taps;                          // empty unless asked for
+    std::vector<std::vector<double>> tap_distances; // [candidates][taps], bins
+};
+
+// "NAME:NEURONS:SAMPLES[,...]", as the backbone writes it.
+std::vector<Tap> taps_of(const std::string &text, uint32_t neurons)
+{
+    std::vector<Tap> taps;
+    size_t at = 0, begin = 0;
+    while (at < text.size()) {
+        const size_t next = std::min(text.find(',', at), text.size());
+        const std::string entry = text.substr(at, next - at);
+        const size_t samples = entry.rfind(':');
+        const size_t count = samples == std::string::npos || samples == 0
+                                 ? std::string::npos
+                                 : entry.rfind(':', samples - 1);
+        size_t size = 0;
+        if (count == std::string::npos ||
+            std::from_chars(&entry[count + 1], &entry[samples], size).ptr != &entry[samples] ||
+            size > neurons - begin)
+            throw Error("taps '" + text + "' do not say where each tap's neurons are");
+        taps.push_back({entry.substr(0, count), begin, begin + size});
+        begin += size;
+        at = next + 1;
+    }
+    return taps;
+}
+
+// The mean distance of each tap's neurons.
+std::vector<double> tap_means(const vdna_hist_view &query, const vdna_hist_view &candidate,
+                              const std::vector<Tap> &taps)
+{
+    std::vector<int64_t> scratch(vdna_emd_scratch_size(query.neurons) / sizeof(int64_t) + 1);
+    std::vector<double> distances(query.neurons), means;
+    require_ok(vdna_emd(&query, &candidate, scratch.data(), scratch.size() * sizeof(int64_t),
+                        distances.data()),
+               "distance per tap");
+    for (const Tap &tap : taps) {
+        double sum = 0;
+        for (size_t i = tap.begin; i < tap.end; i++)
+            sum += distances[i];
+        means.push_back(sum / static_cast<double>(std::max<size_t>(tap.end - tap.begin, 1)));
+    }
+    return means;
+}
+
+void add_taps(Ranking &ranking, const std::string &taps, const vdna_hist_view &query,
+              const std::vector<vdna_hist_view> &candidates)
+{
+    ranking.taps = taps_of(taps, query.neurons);
+    for (const vdna_hist_view &candidate : candidates)
+        ranking.tap_distances.push_back(tap_means(query, candidate, ranking.taps));
+}
+
+// The first experience file against the others.
+Ranking rank_files(const RankOptions &options)
+{
+    const std::vector<Experience> files = open_experiences(options.paths);
+    if (files.size() < 2)
+        throw Error(options.paths[0] + ": nothing to rank, expected QUERY.vdna CANDIDATE.vdna...",
+                    exit_usage);
+    Ranking ranking;
+    ranking.query = files[0].path().string();
+    ranking.frames = files[0]->frames;
+    vdna_hist_view query;
+    vdna_experience_view(files[0].get(), &query);
+    std::vector<vdna_hist_view> candidates;
+    for (size_t i = 1; i < files.size(); i++) {
+        vdna_error error{};
+        if (vdna_experience_compare(files[0].get(), files[i].get(), &error) != VDNA_OK)
+            throw Error(files[i].path().string() + ": does not compare with " + ranking.query +
+                        ": " + error.text + "; build both with the same backbone and ranges");
+        vdna_experience_view(files[i].get(), &candidates.emplace_back());
+        ranking.names.push_back(files[i]->name);
+    }
+    ranking.entries.resize(candidates.size());
+    std::vector<int64_t> scratch(vdna_emd_scratch_size(query.neurons) / sizeof(int64_t) + 1);
+    require_ok(vdna_rank(&query, candidates.data(), static_cast<uint32_t>(candidates.size()),
+                         scratch.data(), scratch.size() * sizeof(int64_t), ranking.entries.data()),
+               ranking.query);
+    if (options.per_tap)
+        add_taps(ranking, files[0]->taps, query, candidates);
+    return ranking;
+}
+
+// "42" frames or "4.5s" of camera time.
+void set_warmup(const std::string &text, vdna_select_config &config)
+{
+    const char *end = text.data() + text.size();
+    double seconds = 0;
+    const auto as_frames = std::from_chars(text.data(), end, config.warmup_frames);
+    if (as_frames.ec == std::errc() && as_frames.ptr == end && config.warmup_frames > 0)
+        return;
+    config.warmup_frames = 0;
+    const auto as_time = std::from_chars(text.data(), end, seconds);
+    if (as_time.ec != std::errc() || std::string(as_time.ptr, end) != "s" ||
+        !(seconds >= 1e-6 && seconds <= 1e9))
+        throw Error("--warmup: found '" + text +
+                        "', expected frames as 42 or seconds of camera time as 4.5s",
+                    exit_usage);
+    config.warmup_us = static_cast<int64_t>(seconds * 1e6);
+}
+
+// A selector with the memory it lives in.
+class Selector
+{
+  public:
+    Selector(const Map &map, const std::vector<size_t> &picked, const std::string &warmup)
+    {
+        const std::vector<vdna_select_candidate> all = map.candidates();
+        for (const size_t i : picked)
+            candidates_.push_back(all[i]);
+        vdna_select_config config;
+        vdna_select_config_init(&config);
+        config.candidates = candidates_.data();
+        config.candidate_count = static_cast<uint32_t>(candidates_.size());
+        config.dim = map.experiences().front().dim;
+        set_warmup(warmup, config);
+        mem_.resize(vdna_select_mem_size(&config) / sizeof(int64_t) + 1);
+        require_ok(vdna_select_init(&config, mem_.data(), mem_.size() * sizeof(int64_t), &select_),
+                   "selector");
+    }
+
+    // True once the warmup is complete.
+    bool feed(const Pass &pass)
+    {
+        const vdna_select_frame frame = {pass.frame().utime, pass.output().taps,
+                                         pass.output().tap_count, pass.output().embedding};
+        vdna_select_answer answer;
+        require_ok(vdna_select_feed(&select_, &frame, &answer), pass.frame().name);
+        return answer.newly_ranked != 0;
+    }
+
+    const vdna_select *operator->() const { return &select_; }
+    std::vector<vdna_hist_view> views() const
+    {
+        std::vector<vdna_hist_view> views;
+        for (const vdna_select_candidate &candidate : candidates_)
+            views.push_back(candidate.dna);
+        return views;
+    }
+
+  private:
+    std::vector<vdna_select_candidate> candidates_;
+    std::vector<int64_t> mem_;
+    vdna_select select_{};
+};
+
+// The first frames of a source against a map, as the daemon would rank them.
+Ranking rank_live(const RankOptions &options)
+{
+    const std::string &source = options.paths[0];
+    const Map map(options.paths[1]);
+    const std::vector<size_t> picked = all_but(map, options.exclude);
+    if (picked.empty())
+        throw Error(options.paths[1] + ": --exclude leaves no experience to rank");
+    const vdna_experience &first = map.experiences().front();
+    Selector selector(map, picked, options.warmup);
+    Backbone backbone(options.network.backbone.empty() ? first.backbone : options.network.backbone,
+                      options.network.threads);
+    map.require_backbone(backbone.info());
+
+    Pass pass(source, options.source, backbone);
+    bool complete = false;
+    while (!complete && pass.next())
+        complete = selector.feed(pass);
+    if (!complete)
+        throw Error(source + ": ends after " + std::to_string(selector->live.frames) +
+                    " frames of the warmup, expected " + options.warmup +
+                    (options.warmup.back() == 's' ? " and a frame after it" : " frames") +
+                    "; set a shorter --warmup");
+    Ranking ranking;
+    ranking.query = source;
+    ranking.frames = selector->live.frames;
+    ranking.restarts = selector->restarts;
+    ranking.bad = pass.bad();
+    ranking.entries.assign(selector->ranking, selector->ranking + picked.size());
+    for (const size_t i : picked)
+        ranking.names.push_back(map.experiences()[i].name);
+    if (options.per_tap) {
+        vdna_hist_view live;
+        vdna_hist_view_of(&selector->live, &live);
+        add_taps(ranking, first.taps, live, selector.views());
+    }
+    return ranking;
+}
+
+double margin_of(const Ranking &ranking)
+{
+    const std::vector<vdna_rank_entry> &e = ranking.entries;
+    return e.size() > 1 ? e[1].distance_bins - e[0].distance_bins : 0;
+}
+
+void report(const Ranking &ranking)
+{
+    size_t width = std::string("experience").size();
+    for (const std::string &name : ranking.names)
+        width = std::max(width, name.size());
+    const auto column = [&](const std::string &text) {
+        std::cout << "  " << std::setw(14) << text;
+    };
+
+    std::cout << ranking.query << ": " << ranking.frames << " frames\n"
+              << "rank  " << std::left << std::setw(static_cast<int>(width)) << "experience"
+              << std::right;
+    column("distance/bins");
+    for (const Tap &tap : ranking.taps)
+        column(tap.name);
+    std::cout << '\n';
+    for (size_t i = 0; i < ranking.entries.size(); i++) {
+        const vdna_rank_entry &entry = ranking.entries[i];
+        std::cout << std::setw(4) << i + 1 << "  " << std::left
+                  << std::setw(static_cast<int>(width)) << ranking.names[entry.candidate]
+                  << std::right;
+        column(fixed(entry.distance_bins, 4));
+        for (size_t t = 0; t < ranking.taps.size(); t++)
+            column(fixed(ranking.tap_distances[entry.candidate][t], 4));
+        std::cout << (entry.tied ? "  tied\n" : "\n");
+    }
+    std::cout << "margin of the first choice: " << fixed(margin_of(ranking), 4) << " bins\n";
+}
+
+void report_json(const Ranking &ranking)
+{
+    Json entries = Json::array();
+    for (const vdna_rank_entry &entry : ranking.entries) {
+        Json json = {{"experience", ranking.names[entry.candidate]},
+                     {"distance_bins", entry.distance_bins},
+                     {"tied", entry.tied != 0}};
+        for (size_t t = 0; t < ranking.taps.size(); t++)
+            json["taps"].push_back({{"tap", ranking.taps[t].name},
+                                    {"distance_bins", ranking.tap_distances[entry.candidate][t]}});
+        entries.push_back(json);
+    }
+    print_json({{"query", ranking.query},
+                {"frames", ranking.frames},
+                {"bad_frames", ranking.bad},
+                {"restarts", ranking.restarts},
+                {"margin_bins", margin_of(ranking)},
+                {"ranking", entries}});
+}
+
+void rank(const RankOptions &options)
+{
+    const bool files = std::filesystem::path(options.paths[0]).extension() == VDNA_MAP_EXTENSION &&
+                       !std::filesystem::is_directory(options.paths[0]);
+    if (!files && options.paths.size() != 2)
+        throw Error("found " + std::to_string(options.paths.size()) +
+                        " paths, expected LIVE_SOURCE MAP or QUERY.vdna CANDIDATE.vdna...",
+                    exit_usage);
+    const Ranking ranking = files ? rank_files(options) : rank_live(options);
+    options.json ? report_json(ranking) : report(ranking);
+}
+
+} // namespace
+
+void add_rank(CLI::App &app)
+{
+    CLI::App *command = app.add_subcommand(
+        "rank", "Order experiences by the distance of their Visual DNA to a query");
+    const auto options = std::make_shared<RankOptions>();
+    command
+        ->add_option("paths", options->paths,
+                     "a live source (folder of pictures, video file or LCM log) and the map to "
+                     "choose from, or experience files of which the first is the query")
+        ->type_name("LIVE_SOURCE MAP | QUERY.vdna CANDIDATE.vdna...")
+        ->expected(2, -1)
+        ->required();
+    command
+        ->add_option("--warmup", options->warmup,
+                     "live: the first N frames, or T seconds of camera time, are the query")
+        ->type_name("N|Ts")
+        ->capture_default_str();
+    command->add_option("--exclude", options->exclude, "live: leave these experiences out")
+        ->type_name("NAME");
+    command->add_flag("--per-tap", options->per_tap, "also the distance of each activation tap");
+    add_network_options(*command, options->network, "that of the map");
+    add_source_options(*command, options->source);
+    add_labels_option(*command, options->source);
+    command->add_flag("--json", options->json, "report as JSON");
+    command->footer("Examples:\n"
+                    "  vdna rank --warmup 42 today/ park\n"
+                    "  vdna rank park/winter.vdna park/summer.vdna park/autumn.vdna");
+    command->callback([options] { rank(*options); });
+}
+
+} // namespace vdna
