@@ -61,6 +61,10 @@ VDNA_API void vdna_backbone_config_init(vdna_backbone_config *config);
 
 /** Open a network: read the manifest, check the model's SHA-256, load the runtime, bind inputs and
  *  outputs, run once on a grey picture so that later calls are warm.
+ *
+ *  Sets ORT_DISABLE_TELEMETRY=1 in the environment, which is the whole process's: some builds of
+ *  ONNX Runtime write files and start a thread as soon as they are loaded, and nothing else stops
+ *  them. Open before other threads read the environment, or set it yourself.
  *  @param error  filled on failure; NULL = not wanted
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT (manifest); VDNA_ERR_CHECKSUM
  * (model); VDNA_ERR_MISMATCH (a tap or shape the model does not have); VDNA_ERR_UNSUPPORTED

@@ -1,0 +1,114 @@
+#include "jpeg.h"
+
+#include <setjmp.h>
+#include <stdio.h>
+
+#include <jerror.h>
+#include <jpeglib.h>
+
+/* Cameras pad their frames before the end marker, by a few bytes. */
+#define PADDING_MAX 16
+/* Progressive pictures have about ten; a crafted one can ask for hours of work in a few kB. */
+#define SCANS_MAX 100
+
+typedef struct jpeg_reader {
+    struct jpeg_decompress_struct jpeg;
+    struct jpeg_error_mgr errors;
+    struct jpeg_progress_mgr progress;
+    jmp_buf refused;
+    char *reason;
+    const uint8_t *data;
+    size_t size;
+    uint8_t *out_bgr;
+    size_t stride;
+} jpeg_reader;
+
+/* libjpeg cannot return from an error, so its handlers leave by longjmp. */
+static void refuse(j_common_ptr jpeg)
+{
+    jpeg_reader *reader = jpeg->client_data;
+    char text[JMSG_LENGTH_MAX];
+    jpeg->err->format_message(jpeg, text);
+    snprintf(reader->reason, VDNA_JPEG_REASON_MAX, "%.*s", VDNA_JPEG_REASON_MAX - 1, text);
+    longjmp(reader->refused, 1);
+}
+
+/* Level -1 is a warning: libjpeg would go on with grey for what it could not decode. */
+static void refuse_warnings(j_common_ptr jpeg, int level)
+{
+    const struct jpeg_error_mgr *errors = jpeg->err;
+    const int padding =
+        errors->msg_code == JWRN_EXTRANEOUS_DATA && errors->msg_parm.i[0] <= PADDING_MAX;
+    if (level < 0 && !padding)
+        refuse(jpeg);
+}
+
+static void limit_scans(j_common_ptr jpeg)
+{
+    jpeg_reader *reader = jpeg->client_data;
+    if (reader->jpeg.input_scan_number <= SCANS_MAX)
+        return;
+    snprintf(reader->reason, VDNA_JPEG_REASON_MAX, "more than %d scans", SCANS_MAX);
+    longjmp(reader->refused, 1);
+}
+
+static void read_header(jpeg_reader *reader)
+{
+    jpeg_create_decompress(&reader->jpeg);
+    reader->jpeg.progress = &reader->progress;
+    jpeg_mem_src(&reader->jpeg, reader->data, reader->size);
+    jpeg_read_header(&reader->jpeg, TRUE);
+}
+
+static void read_picture(jpeg_reader *reader)
+{
+    struct jpeg_decompress_struct *jpeg = &reader->jpeg;
+    read_header(reader);
+    jpeg->out_color_space = JCS_EXT_BGR;
+    jpeg_start_decompress(jpeg);
+    while (jpeg->output_scanline < jpeg->output_height) {
+        JSAMPROW row = reader->out_bgr + reader->stride * jpeg->output_scanline;
+        jpeg_read_scanlines(jpeg, &row, 1);
+    }
+    /* Reads on to the end marker, which a picture that was cut short lacks. */
+    jpeg_finish_decompress(jpeg);
+}
+
+/* Do `step`, and let go of libjpeg's memory whether it came back or left by longjmp. */
+static int attempt(jpeg_reader *reader, void (*step)(jpeg_reader *))
+{
+    reader->jpeg.err = jpeg_std_error(&reader->errors);
+    reader->jpeg.client_data = reader;
+    reader->errors.error_exit = refuse;
+    reader->errors.emit_message = refuse_warnings;
+    reader->progress.progress_monitor = limit_scans;
+
+    if (setjmp(reader->refused)) {
+        jpeg_destroy_decompress(&reader->jpeg);
+        return 0;
+    }
+    step(reader);
+    jpeg_destroy_decompress(&reader->jpeg);
+    return 1;
+}
+
+/* see jpeg.h */
+int vdna_jpeg_size(const uint8_t *data, size_t size, uint32_t *out_width, uint32_t *out_height,
+                   char *reason)
+{
+    jpeg_reader reader = {.reason = reason, .data = data, .size = size};
+    if (!attempt(&reader, read_header))
+        return 0;
+    *out_width = reader.jpeg.image_width;
+    *out_height = reader.jpeg.image_height;
+    return 1;
+}
+
+/* see jpeg.h */
+int vdna_jpeg_decode(const uint8_t *data, size_t size, uint8_t *out_bgr, size_t stride,
+                     char *reason)
+{
+    jpeg_reader reader = {
+        .reason = reason, .data = data, .size = size, .out_bgr = out_bgr, .stride = stride};
+    return attempt(&reader, read_picture);
+}

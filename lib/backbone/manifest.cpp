@@ -1,0 +1,272 @@
+#include "manifest.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <initializer_list>
+#include <string_view>
+
+#include <toml++/toml.h>
+
+#include "failure.hpp"
+#include "read_file.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+constexpr size_t file_max = 1 << 16;
+constexpr size_t name_max = 63; // what vdna_backbone_info has room for
+constexpr const char *letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
+constexpr const char *digits = "0123456789";
+
+using Keys = std::initializer_list<std::string_view>;
+
+std::string listed(Keys keys)
+{
+    std::string list;
+    for (const auto key : keys)
+        list += (list.empty() ? "" : ", ") + std::string(key);
+    return list;
+}
+
+// Reads one manifest; the members are named after what they read.
+class Reader
+{
+  public:
+    explicit Reader(const std::filesystem::path &file) : file_(file) {}
+    Manifest manifest(const toml::table &root) const;
+
+    [[noreturn]] void refuse(const toml::source_region &where, const std::string &sentence) const
+    {
+        throw Failure(VDNA_ERR_FORMAT,
+                      file_.string() + ":" + std::to_string(where.begin.line) + ": " + sentence);
+    }
+
+  private:
+    Input input(const toml::table &table) const;
+    std::vector<Tap> taps(const toml::table &root) const;
+
+    void allow_only(const toml::table &table, Keys keys) const;
+    const toml::node &need(const toml::table &table, std::string_view key,
+                           const std::string &expected) const;
+    const toml::table &section(const toml::table &root, std::string_view key) const;
+    std::string text(const toml::table &table, std::string_view key) const;
+    std::string plain_name(const toml::table &table, std::string_view key) const;
+    std::string output(const toml::table &table) const;
+    std::string hash(const toml::table &table, std::string_view key) const;
+    size_t choice(const toml::table &table, std::string_view key, Keys choices) const;
+    uint32_t side(const toml::table &table, std::string_view key) const;
+    std::array<double, 3> channels(const toml::table &table, std::string_view key) const;
+    bool flag(const toml::table &table, std::string_view key) const;
+
+    std::filesystem::path file_;
+};
+
+void Reader::allow_only(const toml::table &table, Keys keys) const
+{
+    for (auto &&[key, value] : table)
+        if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
+            refuse(key.source(),
+                   "unknown key '" + std::string(key.str()) + "'; expected: " + listed(keys));
+}
+
+const toml::node &Reader::need(const toml::table &table, std::string_view key,
+                               const std::string &expected) const
+{
+    const toml::node *node = table.get(key);
+    if (!node)
+        refuse(table.source(), "'" + std::string(key) + "' is missing; expected " + expected);
+    return *node;
+}
+
+const toml::table &Reader::section(const toml::table &root, std::string_view key) const
+{
+    const std::string expected = "a section [" + std::string(key) + "]";
+    const toml::node &node = need(root, key, expected);
+    if (!node.is_table())
+        refuse(node.source(), "'" + std::string(key) + "' must be " + expected);
+    return *node.as_table();
+}
+
+std::string Reader::text(const toml::table &table, std::string_view key) const
+{
+    const toml::node &node = need(table, key, "a text in quotes");
+    if (!node.is_string() || node.as_string()->get().empty())
+        refuse(node.source(), "'" + std::string(key) + "' must be a text in quotes, not empty");
+    return node.as_string()->get();
+}
+
+std::string Reader::plain_name(const toml::table &table, std::string_view key) const
+{
+    const std::string name = text(table, key);
+    const std::string allowed = std::string(letters) + digits + "_-.";
+    if (name.size() > name_max || name.find_first_not_of(allowed) != std::string::npos)
+        refuse(table.get(key)->source(), "'" + std::string(key) + "' must be 1 to " +
+                                             std::to_string(name_max) +
+                                             " of letters, digits, '_', '-' and '.'");
+    return name;
+}
+
+std::string Reader::output(const toml::table &table) const
+{
+    const std::string name = text(table, "output");
+    // They separate taps in vdna_backbone_info.
+    if (name.find_first_of(":,") != std::string::npos)
+        refuse(table.get("output")->source(), "'output' must be a name without ':' and ','");
+    return name;
+}
+
+std::string Reader::hash(const toml::table &table, std::string_view key) const
+{
+    const std::string hash = text(table, key);
+    if (hash.size() != 64 || hash.find_first_not_of("0123456789abcdef") != std::string::npos)
+        refuse(table.get(key)->source(), "'" + std::string(key) +
+                                             "' must be 64 lower-case hexadecimal digits, as "
+                                             "`sha256sum` prints them");
+    return hash;
+}
+
+size_t Reader::choice(const toml::table &table, std::string_view key, Keys choices) const
+{
+    const std::string chosen = text(table, key);
+    const auto found = std::find(choices.begin(), choices.end(), chosen);
+    if (found == choices.end())
+        refuse(table.get(key)->source(),
+               "'" + std::string(key) + "' is '" + chosen + "'; expected: " + listed(choices));
+    return static_cast<size_t>(found - choices.begin());
+}
+
+uint32_t Reader::side(const toml::table &table, std::string_view key) const
+{
+    const std::string expected =
+        "a whole number of pixels, 1 to " + std::to_string(Input::side_max);
+    const toml::node &node = need(table, key, expected);
+    const int64_t pixels = node.is_integer() ? node.as_integer()->get() : 0;
+    if (pixels < 1 || pixels > Input::side_max)
+        refuse(node.source(), "'" + std::string(key) + "' must be " + expected);
+    return static_cast<uint32_t>(pixels);
+}
+
+std::array<double, 3> Reader::channels(const toml::table &table, std::string_view key) const
+{
+    const std::string expected = "three numbers in 0..255 units, one per channel";
+    const toml::node &node = need(table, key, expected);
+    const toml::array *list = node.as_array();
+    std::array<double, 3> values{};
+    for (size_t c = 0; c < values.size(); c++) {
+        const toml::node *element = list && list->size() == values.size() ? list->get(c) : nullptr;
+        const double value = element && element->is_number() ? *element->value<double>() : NAN;
+        if (!std::isfinite(value))
+            refuse(node.source(), "'" + std::string(key) + "' must be " + expected);
+        values[c] = value;
+    }
+    return values;
+}
+
+bool Reader::flag(const toml::table &table, std::string_view key) const
+{
+    const toml::node &node = need(table, key, "true or false");
+    if (!node.is_boolean())
+        refuse(node.source(), "'" + std::string(key) + "' must be true or false");
+    return node.as_boolean()->get();
+}
+
+Input Reader::input(const toml::table &table) const
+{
+    allow_only(table,
+               {"name", "width", "height", "colour", "mean", "std", "resize", "interpolation"});
+    Input input{};
+    input.name = text(table, "name");
+    input.width = side(table, "width");
+    input.height = side(table, "height");
+    input.bgr = choice(table, "colour", {"RGB", "BGR"}) == 1;
+    input.mean = channels(table, "mean");
+    input.std = channels(table, "std");
+    if (*std::min_element(input.std.begin(), input.std.end()) <= 0.0)
+        refuse(table.get("std")->source(), "'std' is divided by: its numbers must be above 0");
+    choice(table, "resize", {"stretch"});
+    input.interpolation =
+        static_cast<Interpolation>(choice(table, "interpolation", {"area", "linear", "cubic"}));
+    return input;
+}
+
+std::vector<Tap> Reader::taps(const toml::table &root) const
+{
+    const toml::node &node = need(root, "taps", "at least one section [[taps]]");
+    if (!node.is_array_of_tables())
+        refuse(node.source(), "'taps' must be one or more sections [[taps]]");
+    std::vector<Tap> taps;
+    for (const toml::node &element : *node.as_array()) {
+        const toml::table &table = *element.as_table();
+        allow_only(table, {"output", "layout"});
+        const Tap tap{output(table), static_cast<uint32_t>(choice(
+                                         table, "layout", {"samples_neurons", "neurons_samples"}))};
+        for (const Tap &other : taps)
+            if (other.output == tap.output)
+                refuse(table.get("output")->source(), "'" + tap.output + "' is tapped twice");
+        taps.push_back(tap);
+    }
+    return taps;
+}
+
+Manifest Reader::manifest(const toml::table &root) const
+{
+    allow_only(root,
+               {"name", "model", "sha256", "source", "licence", "input", "taps", "embedding"});
+    Manifest manifest{};
+    manifest.name = plain_name(root, "name");
+    manifest.model = file_.parent_path() / text(root, "model");
+    manifest.sha256 = hash(root, "sha256");
+    // For people only, yet a network without them is not one to ship.
+    text(root, "source");
+    text(root, "licence");
+    manifest.input = input(section(root, "input"));
+    manifest.taps = taps(root);
+
+    const toml::table &embedding = section(root, "embedding");
+    allow_only(embedding, {"output", "l2_normalise"});
+    manifest.embedding = output(embedding);
+    manifest.l2_normalise = flag(embedding, "l2_normalise");
+    return manifest;
+}
+
+// The shortest text that reads back as the same number, whatever the locale.
+std::string shortest(double value)
+{
+    char text[32];
+    return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
+}
+
+std::string triple(const std::array<double, 3> &values)
+{
+    return shortest(values[0]) + "," + shortest(values[1]) + "," + shortest(values[2]);
+}
+
+} // namespace
+
+Manifest read_manifest(const std::filesystem::path &file)
+{
+    const std::string bytes = read_file(file, file_max);
+    const Reader reader(file);
+    try {
+        return reader.manifest(toml::parse(std::string_view(bytes)));
+    } catch (const toml::parse_error &error) {
+        reader.refuse(error.source(), std::string(error.description()));
+    }
+}
+
+std::string preprocessing_text(const Manifest &manifest)
+{
+    const Input &input = manifest.input;
+    static const char *const interpolation[] = {"area", "linear", "cubic"};
+    return std::to_string(input.width) + "x" + std::to_string(input.height) +
+           (input.bgr ? " BGR" : " RGB") + " mean=" + triple(input.mean) +
+           " std=" + triple(input.std) + " resize=stretch/" +
+           interpolation[static_cast<size_t>(input.interpolation)] +
+           " l2=" + (manifest.l2_normalise ? "1" : "0");
+}
+
+} // namespace vdna

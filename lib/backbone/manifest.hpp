@@ -1,0 +1,52 @@
+// Manifests (models/NAME.toml): which network, how its input is prepared, which outputs are used.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <vdna/activation.h>
+
+namespace vdna
+{
+
+enum class Interpolation { area, linear, cubic };
+
+// What becomes of a picture before the network sees it.
+struct Input {
+    std::string name;           // of the ONNX input: float [1, 3, height, width]
+    uint32_t width, height;     // pixels, 1..Input::side_max
+    bool bgr;                   // channel order of the network, and of `mean` and `std`
+    std::array<double, 3> mean; // subtracted, in units of 0..255
+    std::array<double, 3> std;  // then divided by, > 0
+    Interpolation interpolation;
+
+    static constexpr uint32_t side_max = 4096;
+};
+
+// An ONNX output whose activations are counted. Its values are used as the network gives them.
+struct Tap {
+    std::string output;
+    uint32_t layout; // VDNA_LAYOUT_...
+};
+
+struct Manifest {
+    std::string name;
+    std::filesystem::path model;
+    std::string sha256; // of the model file: 64 lower-case hexadecimal digits
+    Input input;
+    std::vector<Tap> taps; // >= 1, all different
+    std::string embedding; // ONNX output, which may also be tapped
+    bool l2_normalise;     // the embedding only; never a tap
+};
+
+// Read and check a manifest. Throws Failure with "FILE:LINE: ..." and what was expected.
+Manifest read_manifest(const std::filesystem::path &file);
+
+// Everything that shapes what is counted and compared, as a canonical text: two manifests with the
+// same text, model and taps give numbers that compare.
+std::string preprocessing_text(const Manifest &manifest);
+
+} // namespace vdna
