@@ -14,6 +14,7 @@ void add_rank(CLI::App &app);
 void add_localise(CLI::App &app);
 void add_play(CLI::App &app);
 void add_watch(CLI::App &app);
+void add_command(CLI::App &app);
 void add_simulate(CLI::App &app);
 
 } // namespace vdna

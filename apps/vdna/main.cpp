@@ -19,6 +19,7 @@ void add_commands(CLI::App &app)
     vdna::add_localise(app);
     vdna::add_play(app);
     vdna::add_watch(app);
+    vdna::add_command(app);
     vdna::add_simulate(app);
 }
 

@@ -1,0 +1,100 @@
+#include "selectord/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <vdna/version.h>
+
+#include "error.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+// What was given; it overrides the file, wherever it stands on the line.
+struct Options {
+    std::string file;
+    std::optional<std::string> map, backbone, url;
+    std::optional<uint32_t> warmup_frames;
+    std::optional<double> warmup_seconds;
+};
+
+const char *const footer = R"(
+Camera frames (bot_core.image_t) come in over LCM. The first ones are compared with the Visual DNA
+of every experience of the map; the nearest experience is chosen and later frames are localised in
+it. Answers go out on the channels of the [lcm] section; see --print-config for all settings.
+
+Prints "READY ..." on standard output when it listens, events on standard error.
+SIGTERM and SIGINT end it at once; `vdna command reset` makes it choose anew.
+
+Exit codes: 0 stopped by a signal, or --check found no fault; 1 the map, the network or the LCM
+connection cannot be used; 2 the command line or the configuration file is wrong.
+
+Example: vdna_selectord --map ~/maps/campus --warmup-frames 50 -l udpm://239.255.76.67:7667?ttl=0)";
+
+void apply(const Options &options, Config &config)
+{
+    config.map_directory = options.map.value_or(config.map_directory);
+    config.manifest = options.backbone.value_or(config.manifest);
+    config.url = options.url.value_or(config.url);
+    if (options.warmup_frames) {
+        config.warmup_frames = *options.warmup_frames;
+        config.warmup_seconds = 0;
+    }
+    if (options.warmup_seconds) {
+        config.warmup_frames = 0;
+        config.warmup_seconds = *options.warmup_seconds;
+    }
+}
+
+void describe(CLI::App &app, Options &options, Invocation &invocation)
+{
+    app.add_option("-c,--config", options.file, "Read settings from this TOML file")
+        ->type_name("FILE");
+    app.add_option("--map", options.map, "Directory of experience files")->type_name("DIR");
+    app.add_option("--backbone", options.backbone, "Network that the map was made with")
+        ->type_name("NAME|FILE");
+    CLI::Option *frames =
+        app.add_option("--warmup-frames", options.warmup_frames, "Choose after this many frames")
+            ->type_name("N")
+            ->check(CLI::Range(uint32_t{1}, warmup_frames_max));
+    app.add_option("--warmup-seconds", options.warmup_seconds, "Choose after this much camera time")
+        ->type_name("T")
+        ->check(CLI::Range(warmup_seconds_min, warmup_seconds_max))
+        ->excludes(frames);
+    app.add_option("-l,--lcm-url", options.url,
+                   "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
+        ->type_name("URL");
+    app.add_flag("--print-config", invocation.print_config,
+                 "Print the settings in force as TOML and exit");
+    app.add_flag("--check", invocation.check,
+                 "Open the map and the network, say whether they fit, and exit");
+    app.set_version_flag("--version", std::string("vdna_selectord ") + vdna_version());
+    app.footer(footer);
+}
+
+} // namespace
+
+std::optional<Invocation> read_command_line(int argc, const char *const *argv)
+{
+    CLI::App app("Chooses, onboard and live, the recorded experience that fits the conditions of "
+                 "today, and localises in it.",
+                 "vdna_selectord");
+    Options options;
+    Invocation invocation;
+    describe(app, options, invocation);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success &answered) {
+        app.exit(answered);
+        return std::nullopt;
+    } catch (const CLI::ParseError &error) {
+        throw Error(std::string(error.what()) + "; see `vdna_selectord --help`", exit_usage);
+    }
+    if (!options.file.empty())
+        invocation.config = read_config(options.file);
+    apply(options, invocation.config);
+    return invocation;
+}
+
+} // namespace vdna

@@ -1,0 +1,239 @@
+#include "selectord/config.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <type_traits>
+#include <variant>
+
+#include <toml++/toml.h>
+
+#include "error.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+using Member = std::variant<std::string Config::*, uint32_t Config::*, double Config::*>;
+
+// One key of the file. The limits are those of the number, or of the text's length in bytes.
+struct Setting {
+    const char *section;
+    const char *key;
+    Member member;
+    double least;
+    double most;
+};
+
+constexpr double path_max = 4095, channel_max = 63; // bytes: PATH_MAX, LCM's channel name
+constexpr double threads_max = 256;
+constexpr double image_bytes_min = 1024, image_bytes_max = 1u << 28; // LCM's largest message
+
+const std::array<Setting, 13> settings{{
+    {"map", "directory", &Config::map_directory, 1, path_max},
+    {"backbone", "manifest", &Config::manifest, 1, path_max},
+    {"backbone", "threads", &Config::threads, 1, threads_max},
+    {"backbone", "runtime", &Config::runtime, 0, path_max},
+    {"warmup", "frames", &Config::warmup_frames, 1, warmup_frames_max},
+    {"warmup", "seconds", &Config::warmup_seconds, warmup_seconds_min, warmup_seconds_max},
+    {"lcm", "url", &Config::url, 0, path_max},
+    {"lcm", "camera", &Config::camera_channel, 1, channel_max},
+    {"lcm", "command", &Config::command_channel, 1, channel_max},
+    {"lcm", "ranking", &Config::ranking_channel, 1, channel_max},
+    {"lcm", "localisation", &Config::localisation_channel, 1, channel_max},
+    {"lcm", "status", &Config::status_channel, 1, channel_max},
+    {"lcm", "max_image_bytes", &Config::max_image_bytes, image_bytes_min, image_bytes_max},
+}};
+
+[[noreturn]] void fail(const std::string &path, const toml::source_position &at,
+                       const std::string &sentence)
+{
+    throw Error(path + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": " +
+                    sentence,
+                exit_usage);
+}
+
+// A number as TOML writes it: 10.0, not 10.000000.
+template <typename T>
+std::string toml_text(const T &value)
+{
+    using Stored =
+        std::conditional_t<std::is_same_v<T, uint32_t>, int64_t, T>; // TOML's one integer type
+    std::ostringstream out;
+    out << toml::value<Stored>(static_cast<Stored>(value));
+    return out.str();
+}
+
+std::string describe_found(const toml::node &node)
+{
+    std::ostringstream out;
+    if (node.is_table() || node.is_array())
+        out << "an " << node.type(); // its content may be long
+    else
+        node.visit([&](const auto &value) { out << value; });
+    return node.is_table() ? "a table" : out.str();
+}
+
+std::string describe_expected(const Setting &setting)
+{
+    const auto whole = [](double number) { return std::to_string(static_cast<uint64_t>(number)); };
+    if (std::holds_alternative<std::string Config::*>(setting.member))
+        return "a string of " + whole(setting.least) + " to " + whole(setting.most) + " bytes";
+    if (std::holds_alternative<uint32_t Config::*>(setting.member))
+        return "an integer from " + whole(setting.least) + " to " + whole(setting.most);
+    return "a number from " + toml_text(setting.least) + " to " + toml_text(setting.most);
+}
+
+bool is_within(const Setting &setting, double number)
+{
+    return number >= setting.least && number <= setting.most; // false for NaN
+}
+
+// Take the value of a node if it has the setting's type and is within its limits.
+bool take(const toml::node &node, const Setting &setting, std::string &out)
+{
+    const toml::value<std::string> *text = node.as_string();
+    // A NUL would cut the text short where it is handed to C.
+    if (!text || !is_within(setting, static_cast<double>(text->get().size())) ||
+        text->get().find('\0') != std::string::npos)
+        return false;
+    out = text->get();
+    return true;
+}
+
+bool take(const toml::node &node, const Setting &setting, uint32_t &out)
+{
+    const toml::value<int64_t> *number = node.as_integer();
+    if (!number || !is_within(setting, static_cast<double>(number->get())))
+        return false;
+    out = static_cast<uint32_t>(number->get());
+    return true;
+}
+
+bool take(const toml::node &node, const Setting &setting, double &out)
+{
+    // `seconds = 10` is meant as 10.0
+    if (!node.is_number() || !is_within(setting, *node.value<double>()))
+        return false;
+    out = *node.value<double>();
+    return true;
+}
+
+void read_setting(const std::string &path, const Setting &setting, const toml::node &node,
+                  Config &config)
+{
+    const bool taken = std::visit([&](auto member) { return take(node, setting, config.*member); },
+                                  setting.member);
+    if (!taken)
+        fail(path, node.source().begin,
+             std::string("[") + setting.section + "] " + setting.key + " is " +
+                 describe_found(node) + ", expected " + describe_expected(setting) +
+                 "; correct it, or remove it to get the default");
+}
+
+void read_section(const std::string &path, const toml::key &section, const toml::table &table,
+                  Config &config)
+{
+    std::string known;
+    for (const Setting &setting : settings)
+        if (section == setting.section)
+            known += (known.empty() ? "" : ", ") + std::string(setting.key);
+
+    for (const auto &[key, node] : table) {
+        const auto setting =
+            std::find_if(settings.begin(), settings.end(), [&, &name = key](const Setting &s) {
+                return section == s.section && name == s.key;
+            });
+        if (setting == settings.end())
+            fail(path, key.source().begin,
+                 "unknown key '" + std::string(key.str()) + "' in [" + std::string(section.str()) +
+                     "], expected one of: " + known + "; correct or remove it");
+        read_setting(path, *setting, node, config);
+    }
+}
+
+// A warmup is measured in frames or in seconds; the file's one takes the default's place.
+void settle_warmup(const std::string &path, const toml::table &root, Config &config)
+{
+    const toml::node_view<const toml::node> frames = root["warmup"]["frames"];
+    const toml::node_view<const toml::node> seconds = root["warmup"]["seconds"];
+    if (frames && seconds)
+        fail(path, std::max(frames.node()->source().begin, seconds.node()->source().begin),
+             "[warmup] has both frames and seconds, expected one of them; remove the other");
+    if (seconds)
+        config.warmup_frames = 0;
+}
+
+std::string read_text(const std::string &path)
+{
+    constexpr size_t size_max = 64 * 1024;
+    std::string text(size_max + 1, '\0');
+    std::ifstream file(path, std::ios::binary);
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    if (!file.is_open() || file.bad())
+        throw Error(path + ": cannot be read: " + std::strerror(errno) +
+                        "; name an existing TOML file",
+                    exit_usage);
+    text.resize(static_cast<size_t>(file.gcount()));
+    if (text.size() > size_max)
+        throw Error(path + ": is longer than 64 KiB, expected a configuration as "
+                           "`vdna_selectord --print-config` writes it",
+                    exit_usage);
+    return text;
+}
+
+toml::table parse(const std::string &path)
+{
+    try {
+        return toml::parse(read_text(path), path);
+    } catch (const toml::parse_error &error) {
+        fail(path, error.source().begin,
+             std::string(error.description()) + "; expected TOML as `vdna_selectord "
+                                                "--print-config` writes it");
+    }
+}
+
+} // namespace
+
+Config read_config(const std::string &path)
+{
+    const toml::table root = parse(path);
+    Config config;
+    for (const auto &[section, node] : root) {
+        const bool known = std::any_of(
+            settings.begin(), settings.end(),
+            [&name = section](const Setting &setting) { return name == setting.section; });
+        if (!known || !node.is_table())
+            fail(path, section.source().begin,
+                 "unknown entry '" + std::string(section.str()) +
+                     "', expected the sections [map], [backbone], [warmup] and [lcm]; correct or "
+                     "remove it");
+        read_section(path, section, *node.as_table(), config);
+    }
+    settle_warmup(path, root, config);
+    return config;
+}
+
+void print_config(const Config &config, std::ostream &out)
+{
+    const std::string unused_warmup = config.warmup_frames > 0 ? "seconds" : "frames";
+    std::string section;
+    for (const Setting &setting : settings) {
+        if (setting.key == unused_warmup)
+            continue;
+        if (section != setting.section) {
+            out << (section.empty() ? "[" : "\n[") << setting.section << "]\n";
+            section = setting.section;
+        }
+        out << setting.key << " = "
+            << std::visit([&](auto member) { return toml_text(config.*member); }, setting.member)
+            << '\n';
+    }
+}
+
+} // namespace vdna

@@ -1,0 +1,39 @@
+// What vdna_selectord is told: its settings, their defaults and limits, and their TOML file.
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <string>
+
+namespace vdna
+{
+
+// Every setting; the members hold the defaults.
+struct Config {
+    std::string map_directory = "/var/lib/vdna/map";
+    std::string manifest = "efficientnet_lite0"; // bare name or path
+    uint32_t threads = 2;
+    std::string runtime;          // path of libonnxruntime.so; "" = found by itself
+    uint32_t warmup_frames = 100; // 0 = by time
+    double warmup_seconds = 0;    // 0 = by frames; exactly one of the two is set
+    std::string url;              // "" = $LCM_DEFAULT_URL, else LCM's default
+    std::string camera_channel = "CAMERA";
+    std::string command_channel = "VDNA_COMMAND";
+    std::string ranking_channel = "VDNA_RANKING";
+    std::string localisation_channel = "VDNA_LOCALISATION";
+    std::string status_channel = "VDNA_STATUS";
+    uint32_t max_image_bytes = 8u << 20;
+};
+
+// Limits of a warmup; the command line shares them with the file.
+constexpr uint32_t warmup_frames_max = UINT32_MAX;
+constexpr double warmup_seconds_min = 0.001, warmup_seconds_max = 1e6;
+
+// Read a TOML file. Throws Error with file, line and column for a key that is unknown, of the
+// wrong type or out of its limits.
+Config read_config(const std::string &path);
+
+// Write all settings as TOML that read_config() accepts.
+void print_config(const Config &config, std::ostream &out);
+
+} // namespace vdna

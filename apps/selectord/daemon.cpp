@@ -1,0 +1,162 @@
+#include "selectord/daemon.hpp"
+
+#include <chrono>
+#include <cinttypes>
+#include <cstdio>
+
+#include "error.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+constexpr int64_t status_period_us = 1000000;
+constexpr int32_t poll_ms = 50; // bounds how late a stop or a status is when no frames come
+
+int64_t monotonic_us()
+{
+    using namespace std::chrono;
+    return duration_cast<microseconds>(steady_clock::now().time_since_epoch()).count();
+}
+
+int64_t wall_us()
+{
+    using namespace std::chrono;
+    return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+vdna_select_config selector_config(const Config &config,
+                                   const std::vector<vdna_select_candidate> &candidates,
+                                   uint32_t dim)
+{
+    vdna_select_config selector;
+    vdna_select_config_init(&selector);
+    selector.candidates = candidates.data();
+    selector.candidate_count = static_cast<uint32_t>(candidates.size());
+    selector.dim = dim;
+    selector.warmup_frames = config.warmup_frames;
+    selector.warmup_us = static_cast<int64_t>(config.warmup_seconds * 1e6);
+    return selector;
+}
+
+} // namespace
+
+Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
+    : map_(map), backbone_(backbone), candidates_(map.candidates()), ranking_(map, backbone.info())
+{
+    const vdna_select_config selector =
+        selector_config(config, candidates_, map.experiences().front().dim);
+    const size_t size = vdna_select_mem_size(&selector);
+    selector_memory_.resize(size / sizeof(int64_t) + 1);
+    const vdna_status status = vdna_select_init(&selector, selector_memory_.data(), size, &select_);
+    if (status != VDNA_OK)
+        throw Error(
+            config.map_directory + ": cannot select among " + std::to_string(candidates_.size()) +
+            " experiences: " + vdna_status_text(status) + "; rebuild the map with `vdna build`");
+}
+
+void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
+{
+    int64_t next_status_us = monotonic_us();
+    while (!stop) {
+        uint32_t events = 0;
+        vdna_transport_frame frame;
+        if (vdna_transport_poll(transport, poll_ms, &events, &frame) != VDNA_OK)
+            throw Error("the LCM connection is gone; see to the network and start again");
+
+        if (events & VDNA_TRANSPORT_RESET)
+            reset();
+        if (events & VDNA_TRANSPORT_FRAME)
+            answer(transport, frame, stop);
+
+        // At 1 Hz whether frames come or not; beats missed during a long inference are dropped.
+        const int64_t now_us = monotonic_us();
+        if (now_us >= next_status_us) {
+            publish_status(transport);
+            next_status_us += ((now_us - next_status_us) / status_period_us + 1) * status_period_us;
+        }
+    }
+}
+
+void Daemon::reset()
+{
+    vdna_select_reset(&select_);
+    std::fprintf(stderr, "vdna_selectord: reset by command, warming up again\n");
+}
+
+void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame,
+                    const std::atomic<bool> &stop)
+{
+    vdna_backbone_frame seen;
+    vdna_error error{};
+    const vdna_status status = vdna_backbone_run(backbone_.get(), &frame.image, &error, &seen);
+    if (stop)
+        return; // a cancelled inference is not the frame's fault
+
+    vdna_msg_localisation_t message =
+        status == VDNA_OK ? use(transport, frame, seen) : refuse(frame, error.text);
+    message.latency_us = monotonic_us() - frame.received_us;
+    note_unless_sent(vdna_transport_publish_localisation(transport, &message), "a localisation");
+    if (message.validity != VDNA_MSG_LOCALISATION_T_REFUSED)
+        cost_ = {message.latency_us, seen.decode_us, seen.resize_us, seen.inference_us};
+}
+
+vdna_msg_localisation_t Daemon::use(vdna_transport *transport, const vdna_transport_frame &frame,
+                                    const vdna_backbone_frame &seen)
+{
+    const vdna_select_frame live{frame.utime, seen.taps, seen.tap_count, seen.embedding};
+    vdna_select_answer found;
+    const vdna_status status = vdna_select_feed(&select_, &live, &found);
+    if (status != VDNA_OK)
+        return refuse(frame, vdna_status_text(status));
+
+    if (found.restarted)
+        std::fprintf(stderr, "vdna_selectord: camera time ran backwards, warming up again\n");
+    if (found.newly_ranked)
+        announce_choice(transport);
+    if (!found.localised)
+        return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_WARMING_UP);
+    return position_in(map_.experiences()[select_.chosen], found.match, frame.utime);
+}
+
+vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const char *reason)
+{
+    refused_++;
+    problems_.note(monotonic_us(), "frame of utime %" PRId64 " refused: %s", frame.utime, reason);
+    return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_REFUSED);
+}
+
+void Daemon::announce_choice(vdna_transport *transport)
+{
+    const vdna_msg_ranking_t &ranking = ranking_.fill(select_);
+    note_unless_sent(vdna_transport_publish_ranking(transport, &ranking), "a ranking");
+    std::fprintf(stderr,
+                 "vdna_selectord: selected %s of %d after %d frames: distance %.3f bins, margin "
+                 "%.3f bins\n",
+                 ranking.experience[0], ranking.count, ranking.window_frames,
+                 ranking.distance_bins[0], ranking.margin_bins);
+}
+
+void Daemon::publish_status(vdna_transport *transport)
+{
+    const Health health{select_,
+                        *vdna_transport_count(transport),
+                        map_.experiences(),
+                        backbone_.info(),
+                        cost_,
+                        refused_,
+                        memory_.bytes(),
+                        problems_.last()};
+    const vdna_msg_status_t message = status_of(health, wall_us());
+    note_unless_sent(vdna_transport_publish_status(transport, &message), "a status");
+}
+
+void Daemon::note_unless_sent(vdna_status sent, const char *what)
+{
+    if (sent != VDNA_OK)
+        problems_.note(monotonic_us(), "%s could not be sent: %s", what, vdna_status_text(sent));
+}
+
+} // namespace vdna

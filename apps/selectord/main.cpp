@@ -1,0 +1,117 @@
+// vdna_selectord: camera frames in, chosen experience and positions out, over LCM.
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <numeric>
+
+#include <signal.h>
+
+#include "connection.hpp"
+#include "error.hpp"
+#include "pairing/pairing.hpp"
+#include "selectord/command_line.hpp"
+#include "selectord/daemon.hpp"
+#include "selectord/stop.hpp"
+
+namespace
+{
+
+using namespace vdna;
+
+// The URL in force; nullptr = LCM's default.
+const char *url_in_force(const Config &config)
+{
+    return config.url.empty() ? std::getenv("LCM_DEFAULT_URL") : config.url.c_str();
+}
+
+Connection join_network(const Config &config)
+{
+    vdna_transport_config transport;
+    vdna_transport_config_init(&transport);
+    transport.url = config.url.empty() ? nullptr : config.url.c_str();
+    transport.max_image_bytes = config.max_image_bytes;
+    transport.camera_channel = config.camera_channel.c_str();
+    transport.command_channel = config.command_channel.c_str();
+    transport.ranking_channel = config.ranking_channel.c_str();
+    transport.localisation_channel = config.localisation_channel.c_str();
+    transport.status_channel = config.status_channel.c_str();
+    return connect(transport);
+}
+
+void say_ok(const Config &config, const Map &map, const Backbone &backbone)
+{
+    const std::vector<vdna_experience> &all = map.experiences();
+    const uint64_t frames = std::accumulate(
+        all.begin(), all.end(), uint64_t{0},
+        [](uint64_t sum, const vdna_experience &experience) { return sum + experience.frames; });
+    std::cout << "OK: " << config.map_directory << ": " << all.size() << " experiences, " << frames
+              << " frames; backbone " << backbone.info().name << " fits, on "
+              << backbone.info().runtime << std::endl;
+}
+
+void say_ready(const Config &config, const Map &map, const Backbone &backbone)
+{
+    const char *url = url_in_force(config);
+    std::cout << "vdna_selectord: READY map=" << config.map_directory
+              << " experiences=" << map.experiences().size() << " backbone=" << backbone.info().name
+              << " url=" << (url ? url : "default") << std::endl;
+}
+
+ExitCode run(int argc, char **argv)
+{
+    // What to do. Nothing is opened yet.
+    const std::optional<Invocation> invocation = read_command_line(argc, argv);
+    if (!invocation)
+        return exit_ok;
+    const Config &config = invocation->config;
+    if (invocation->print_config) {
+        print_config(config, std::cout);
+        return exit_ok;
+    }
+
+    // The map. A signal still ends the process by itself.
+    const Map map(config.map_directory);
+
+    // One-way door: from here on a signal waits for StopOnSignal, because the backbone's threads
+    // must not take it. A reader of our output that goes away ends nothing.
+    block_stop_signals();
+    signal(SIGPIPE, SIG_IGN);
+
+    // The network, and what the loop needs besides: the large allocations end here.
+    const Backbone backbone(config.manifest, config.threads, config.runtime);
+    map.require_backbone(backbone.info());
+    Daemon daemon(config, map, backbone);
+    if (invocation->check) {
+        say_ok(config, map, backbone);
+        return exit_ok;
+    }
+
+    // One-way door: from here on others see us.
+    const StopOnSignal stop(backbone.get());
+    const Connection connection = join_network(config);
+    say_ready(config, map, backbone);
+
+    daemon.run(connection.get(), stop.requested());
+
+    // Everything closes itself in reverse: connection, signals, selector, backbone, map.
+    std::fprintf(stderr, "vdna_selectord: stopped by a signal\n");
+    return exit_ok;
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    try {
+        return run(argc, argv);
+    } catch (const vdna::Error &error) {
+        std::fprintf(stderr, "vdna_selectord: %s\n", error.what());
+        return error.code();
+    } catch (const std::exception &error) {
+        std::fprintf(stderr,
+                     "vdna_selectord: %s; this is a defect or the system is out of memory\n",
+                     error.what());
+        return vdna::exit_failed;
+    }
+}

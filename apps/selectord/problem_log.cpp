@@ -1,0 +1,29 @@
+#include "selectord/problem_log.hpp"
+
+#include <cinttypes>
+#include <cstdarg>
+#include <cstdio>
+
+namespace vdna
+{
+
+void ProblemLog::note(int64_t now_us, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    std::vsnprintf(last_.data(), last_.size(), format, arguments);
+    va_end(arguments);
+
+    if (now_us < quiet_until_us_) {
+        unprinted_++;
+        return;
+    }
+    std::fprintf(stderr, "vdna_selectord: %s", last_.data());
+    if (unprinted_ > 0)
+        std::fprintf(stderr, " (and %" PRIu64 " more problems since the last line)", unprinted_);
+    std::fputc('\n', stderr);
+    quiet_until_us_ = now_us + 1000000;
+    unprinted_ = 0;
+}
+
+} // namespace vdna

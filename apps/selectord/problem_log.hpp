@@ -1,0 +1,26 @@
+// Problems that may come with every frame: the last one is kept, and at most one line a second
+// goes to standard error.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace vdna
+{
+
+class ProblemLog
+{
+  public:
+    // printf-like; `now_us` is monotonic.
+    [[gnu::format(printf, 3, 4)]] void note(int64_t now_us, const char *format, ...);
+
+    // The last problem; "" if there was none.
+    const char *last() const { return last_.data(); }
+
+  private:
+    std::array<char, 512> last_{};
+    int64_t quiet_until_us_ = 0;
+    uint64_t unprinted_ = 0; // since the last line
+};
+
+} // namespace vdna

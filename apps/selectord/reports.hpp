@@ -1,0 +1,66 @@
+// What the daemon says: its messages, filled from plain state. Their texts are borrowed from the
+// map, so that filling one allocates nothing.
+#pragma once
+
+#include <vector>
+
+#include <vdna/transport.h>
+#include <vdna_msg_localisation_t.h>
+#include <vdna_msg_ranking_t.h>
+#include <vdna_msg_status_t.h>
+
+#include "pairing/pairing.hpp"
+
+namespace vdna
+{
+
+// The ranking message with room for all experiences of a map.
+class RankingReport
+{
+  public:
+    // Borrows from both.
+    RankingReport(const Map &map, const vdna_backbone_info &backbone);
+
+    // Valid until the next call; `select` is in state SELECTED.
+    const vdna_msg_ranking_t &fill(const vdna_select &select);
+
+  private:
+    const std::vector<vdna_experience> &experiences_;
+    std::vector<char *> names_;
+    std::vector<double> distances_;
+    std::vector<int8_t> tied_;
+    std::vector<double> recalls_;
+    vdna_msg_ranking_t message_{};
+};
+
+// An answer without a position; `validity` is WARMING_UP or REFUSED.
+vdna_msg_localisation_t no_position(int64_t utime, int32_t validity);
+
+// The position of a live frame in the chosen experience, from which the texts are borrowed.
+vdna_msg_localisation_t position_in(const vdna_experience &chosen, const vdna_knn_match &match,
+                                    int64_t utime);
+
+// What the newest processed frame cost.
+struct FrameCost {
+    int64_t age_us = 0; // when its answer was sent
+    uint32_t decode_us = 0;
+    uint32_t resize_us = 0;
+    uint32_t inference_us = 0;
+};
+
+// Everything that a status message tells.
+struct Health {
+    const vdna_select &select;
+    const vdna_transport_counters &transport;
+    const std::vector<vdna_experience> &experiences;
+    const vdna_backbone_info &backbone;
+    const FrameCost &cost;
+    uint64_t refused;
+    int64_t resident_bytes;
+    const char *message;
+};
+
+// Borrows its texts from `health`; `utime` is microseconds since 1970.
+vdna_msg_status_t status_of(const Health &health, int64_t utime);
+
+} // namespace vdna

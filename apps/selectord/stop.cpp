@@ -1,0 +1,62 @@
+#include "selectord/stop.hpp"
+
+#include <chrono>
+
+#include <pthread.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include "error.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+sigset_t stop_signals()
+{
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGINT);
+    return set;
+}
+
+} // namespace
+
+void block_stop_signals()
+{
+    const sigset_t set = stop_signals();
+    pthread_sigmask(SIG_BLOCK, &set, nullptr);
+}
+
+StopOnSignal::StopOnSignal(vdna_backbone *backbone)
+    : backbone_(backbone), thread_(&StopOnSignal::wait, this)
+{
+}
+
+StopOnSignal::~StopOnSignal()
+{
+    finished_.set_value();
+    // Wakes the thread if no signal has come; it is blocked everywhere else.
+    pthread_kill(thread_.native_handle(), SIGTERM);
+    thread_.join();
+}
+
+void StopOnSignal::wait()
+{
+    const sigset_t set = stop_signals();
+    int number;
+    sigwait(&set, &number);
+    requested_ = true;
+    vdna_backbone_cancel(backbone_);
+
+    // Decoding a huge picture cannot be cancelled. The daemon writes no file, so that nothing is
+    // half done when the process ends in the middle of it.
+    constexpr std::chrono::milliseconds patience(100);
+    if (finished_.get_future().wait_for(patience) == std::future_status::timeout)
+        _exit(exit_ok);
+}
+
+} // namespace vdna

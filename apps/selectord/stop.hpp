@@ -1,0 +1,38 @@
+// SIGTERM and SIGINT: a thread takes them, so that no signal handler runs anywhere.
+#pragma once
+
+#include <atomic>
+#include <future>
+#include <thread>
+
+#include <vdna/backbone.h>
+
+namespace vdna
+{
+
+// From now on SIGTERM and SIGINT wait for a StopOnSignal. Call it before the first thread begins:
+// threads inherit it, and a signal goes to any thread that does not block it.
+void block_stop_signals();
+
+// Ends an inference in progress when a signal comes, and the process if that is not enough.
+class StopOnSignal
+{
+  public:
+    // `backbone` must outlive this object.
+    explicit StopOnSignal(vdna_backbone *backbone);
+    ~StopOnSignal();
+    StopOnSignal(const StopOnSignal &) = delete;
+    StopOnSignal &operator=(const StopOnSignal &) = delete;
+
+    const std::atomic<bool> &requested() const { return requested_; }
+
+  private:
+    void wait();
+
+    vdna_backbone *backbone_;
+    std::atomic<bool> requested_{false};
+    std::promise<void> finished_;
+    std::thread thread_; // last: it uses the members above
+};
+
+} // namespace vdna

@@ -1,0 +1,63 @@
+// vdna command: what an operator asks of a running vdna_selectord.
+#include <chrono>
+#include <map>
+
+#include <vdna_msg_command_t.h>
+
+#include "commands.hpp"
+#include "connection.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+const std::map<std::string, int32_t> commands{{"reset", VDNA_MSG_COMMAND_T_RESET}};
+
+struct CommandOptions {
+    std::string command;
+    std::string channel = "VDNA_COMMAND";
+    std::string url;
+};
+
+void send_command(const CommandOptions &options)
+{
+    vdna_transport_config config;
+    vdna_transport_config_init(&config);
+    config.url = options.url.empty() ? nullptr : options.url.c_str();
+    config.command_channel = options.channel.c_str();
+    const Connection connection = connect(config);
+
+    using namespace std::chrono;
+    char no_argument[] = "";
+    vdna_msg_command_t message{};
+    message.utime = duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+    message.command = commands.at(options.command);
+    message.argument = no_argument;
+    const vdna_status status = vdna_transport_publish_command(connection.get(), &message);
+    if (status != VDNA_OK)
+        throw Error(options.channel + ": the command cannot be sent: " + vdna_status_text(status) +
+                    "; see to the network");
+}
+
+} // namespace
+
+void add_command(CLI::App &app)
+{
+    CLI::App *command = app.add_subcommand("command", "tell a running vdna_selectord something");
+    const auto options = std::make_shared<CommandOptions>();
+    command
+        ->add_option("command", options->command,
+                     "reset: forget the chosen experience and warm up again")
+        ->required()
+        ->check(CLI::IsMember(commands));
+    command->add_option("--channel", options->channel, "channel to send on")->capture_default_str();
+    command
+        ->add_option("-l,--lcm-url", options->url,
+                     "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
+        ->type_name("URL");
+    command->callback([options] { send_command(*options); });
+}
+
+} // namespace vdna

@@ -1,0 +1,192 @@
+// vdna play: frames of a recording sent over LCM, as a camera driver would.
+#include <cerrno>
+#include <chrono>
+#include <iostream>
+#include <limits>
+
+#include <opencv2/imgcodecs.hpp>
+#include <time.h>
+
+#include "commands.hpp"
+#include "connection.hpp"
+#include "interrupt/interrupt.hpp"
+#include "progress/progress.hpp"
+#include "source.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+struct PlayOptions {
+    std::string source;
+    SourceOptions reading;
+    uint64_t frames = std::numeric_limits<uint64_t>::max(); // to send in all
+    bool loop = false;
+    std::string stamp = "now";
+    std::string url;
+};
+
+// A beat to send frames on; a late one does not move those that follow.
+class Beat
+{
+  public:
+    explicit Beat(double rate_hz) : period_us_(1e6 / rate_hz) {}
+
+    // Throws Error if Ctrl-C comes while waiting.
+    void wait()
+    {
+        const int64_t due_us = begin_us_ + static_cast<int64_t>(beats_++ * period_us_);
+        const timespec due{due_us / 1000000, due_us % 1000000 * 1000};
+        while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) == EINTR)
+            require_not_interrupted();
+        require_not_interrupted();
+    }
+
+  private:
+    static int64_t monotonic_us()
+    {
+        timespec now;
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        return int64_t{now.tv_sec} * 1000000 + now.tv_nsec / 1000;
+    }
+
+    double period_us_;
+    int64_t begin_us_ = monotonic_us();
+    double beats_ = 0;
+};
+
+int64_t wall_us()
+{
+    using namespace std::chrono;
+    return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+bool is_jpeg(const vdna_image &image)
+{
+    return image.size >= 3 && image.data[0] == 0xFF && image.data[1] == 0xD8 &&
+           image.data[2] == 0xFF;
+}
+
+// A picture in a format that camera messages have: JPEG goes as it is, other files are decoded
+// into `pixels`, from which the result borrows. Throws BadFrame.
+vdna_image as_camera_sends(const Frame &frame, cv::Mat &pixels)
+{
+    vdna_image image = frame.image;
+    if (image.pixelformat != VDNA_PIXEL_ENCODED)
+        return image;
+    if (is_jpeg(image)) {
+        image.pixelformat = VDNA_PIXEL_MJPG;
+        return image;
+    }
+    try {
+        if (image.size <= std::numeric_limits<int>::max())
+            pixels = cv::imdecode(cv::Mat(1, static_cast<int>(image.size), CV_8UC1,
+                                          const_cast<uint8_t *>(image.data)),
+                                  cv::IMREAD_COLOR);
+    } catch (const cv::Exception &) {
+        pixels.release(); // a header that promises too much; said below
+    }
+    if (pixels.empty())
+        throw BadFrame(frame.name + ": cannot be decoded, expected a picture");
+    return {pixels.data,
+            pixels.total() * pixels.elemSize(),
+            static_cast<uint32_t>(pixels.cols),
+            static_cast<uint32_t>(pixels.rows),
+            static_cast<uint32_t>(pixels.step),
+            VDNA_PIXEL_BGR3};
+}
+
+void send(vdna_transport *transport, const PlayOptions &options, const Frame &frame)
+{
+    cv::Mat pixels;
+    const vdna_image image = as_camera_sends(frame, pixels);
+    const int64_t utime = options.stamp == "recorded" ? frame.utime : wall_us();
+    const vdna_status status = vdna_transport_publish_image(transport, utime, &image);
+    if (status != VDNA_OK)
+        throw Error(frame.name + ": " + std::to_string(image.size) + " bytes cannot be sent: " +
+                    vdna_status_text(status) + "; see to the network, or play smaller pictures");
+}
+
+// Send the source once; returns how many frames were sent, `limit` at most.
+uint64_t play_once(vdna_transport *transport, const PlayOptions &options, uint64_t limit,
+                   Beat &beat)
+{
+    Source source(options.source, options.reading);
+    Progress bar("playing " + options.source, std::min(limit, source.size()));
+    uint64_t sent = 0;
+    for (bool more = true; more && sent < limit;) {
+        try {
+            Frame frame;
+            more = source.next(frame);
+            if (!more)
+                break;
+            beat.wait();
+            send(transport, options, frame);
+            sent++;
+            bar.advance();
+        } catch (const BadFrame &bad) {
+            std::cerr << "vdna play: " << bad.what() << "; left out\n";
+        }
+    }
+    return sent;
+}
+
+void play(const PlayOptions &options)
+{
+    vdna_transport_config config;
+    vdna_transport_config_init(&config);
+    config.url = options.url.empty() ? nullptr : options.url.c_str();
+    config.camera_channel = options.reading.camera.c_str();
+    const Connection connection = connect(config);
+
+    Beat beat(options.reading.rate_hz);
+    uint64_t sent = 0;
+    do {
+        const uint64_t now = play_once(connection.get(), options, options.frames - sent, beat);
+        if (now == 0)
+            throw Error(options.source + ": no frame of it could be sent");
+        sent += now;
+    } while (options.loop && sent < options.frames);
+    std::cout << "played " << sent << " frames on " << options.reading.camera << std::endl;
+}
+
+} // namespace
+
+void add_play(CLI::App &app)
+{
+    CLI::App *command = app.add_subcommand("play", "send a recording over LCM, as a camera would");
+    const auto options = std::make_shared<PlayOptions>();
+    command->add_option("source", options->source, "folder of pictures, video or LCM log")
+        ->required()
+        ->type_name("SOURCE");
+    command->add_option("--rate", options->reading.rate_hz, "frames per second")
+        ->type_name("HZ")
+        ->check(CLI::Range(0.01, 10000.0))
+        ->capture_default_str();
+    command->add_option("--channel", options->reading.camera, "channel to send on")
+        ->capture_default_str();
+    command->add_option("--skip", options->reading.skip, "leave out the first frames")
+        ->type_name("N");
+    command->add_option("--frames", options->frames, "stop after so many frames")
+        ->type_name("N")
+        ->check(CLI::Range(uint64_t{1}, std::numeric_limits<uint64_t>::max()));
+    command->add_flag("--loop", options->loop, "begin anew at the end, until Ctrl-C");
+    command
+        ->add_option("--stamp", options->stamp,
+                     "camera time of a frame: when it is sent, or as recorded")
+        ->check(CLI::IsMember({"now", "recorded"}))
+        ->capture_default_str();
+    command
+        ->add_option("-l,--lcm-url", options->url,
+                     "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
+        ->type_name("URL");
+    command->footer("JPEG files are sent as they are, other pictures as BGR pixels.");
+    command->callback([options] {
+        options->reading.labelled = options->stamp == "recorded";
+        play(*options);
+    });
+}
+
+} // namespace vdna

@@ -1,0 +1,174 @@
+"""The programs under test as objects: a running vdna_selectord, and `vdna watch` beside it.
+
+VDNA_BIN is the folder of vdna and vdna_selectord.
+"""
+import json
+import os
+import queue
+import signal
+import socket
+import struct
+import subprocess
+import threading
+import time
+
+BIN = os.environ.get("VDNA_BIN", "")
+PATIENCE = 60  # seconds for what takes far less on an idle machine
+
+
+def vdna(*arguments, check=True):
+    """Run `vdna` to its end; its standard output and error are in the result."""
+    result = subprocess.run([os.path.join(BIN, "vdna"), *map(str, arguments)],
+                            capture_output=True, text=True, timeout=10 * PATIENCE)
+    if check and result.returncode != 0:
+        raise AssertionError(f"vdna {' '.join(map(str, arguments))}: exit {result.returncode}: "
+                             f"{result.stderr}")
+    return result
+
+
+def vdna_json(*arguments):
+    """What `vdna ... --json` prints."""
+    return json.loads(vdna(*arguments, "--json").stdout)
+
+
+def selectord(*arguments):
+    """Run vdna_selectord to an end that it comes to by itself."""
+    return subprocess.run([os.path.join(BIN, "vdna_selectord"), *map(str, arguments)],
+                          capture_output=True, text=True, timeout=PATIENCE)
+
+
+class _Lines:
+    """The lines of a pipe, read by a thread so that waiting for one has an end."""
+
+    def __init__(self, pipe):
+        self._queue = queue.Queue()
+        threading.Thread(target=self._read, args=(pipe,), daemon=True).start()
+
+    def _read(self, pipe):
+        for line in pipe:
+            self._queue.put(line)
+        self._queue.put(None)
+
+    def next(self, deadline):
+        """The next line; None at the end or past the deadline (time.monotonic())."""
+        try:
+            return self._queue.get(timeout=max(0, deadline - time.monotonic()))
+        except queue.Empty:
+            return None
+
+
+class Selectord:
+    """A running daemon; the constructor returns once it is READY."""
+
+    def __init__(self, *options):
+        self._process = subprocess.Popen(
+            [os.path.join(BIN, "vdna_selectord"), *map(str, options)],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.log = []
+        threading.Thread(target=self._keep_log, daemon=True).start()
+        self.ready = _Lines(self._process.stdout).next(time.monotonic() + PATIENCE)
+        if not self.ready:
+            self._process.kill()
+            raise AssertionError(f"the daemon was never READY: {self.log}")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self._process.poll() is None:
+            self._process.kill()
+        self._process.wait()
+
+    def _keep_log(self):
+        for line in self._process.stderr:
+            self.log.append(line)
+
+    def is_running(self):
+        return self._process.poll() is None
+
+    def stop(self, number=signal.SIGTERM):
+        """End it by a signal: its exit code, and how many seconds it took."""
+        begin = time.monotonic()
+        self._process.send_signal(number)
+        code = self._process.wait(PATIENCE)
+        return code, time.monotonic() - begin
+
+
+class Watch:
+    """`vdna watch --json`; the constructor returns once it listens."""
+
+    def __init__(self):
+        self._process = subprocess.Popen([os.path.join(BIN, "vdna"), "watch", "--json"],
+                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self._lines = _Lines(self._process.stdout)
+        self.messages = []
+        listening = _Lines(self._process.stderr).next(time.monotonic() + PATIENCE)
+        if not listening or "listening" not in listening:
+            raise AssertionError(f"vdna watch does not listen: {listening}")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._process.kill()
+        self._process.wait()
+
+    def wait_for(self, kind, accept=lambda message: True, seconds=PATIENCE):
+        """The next message of this type that is accepted. All that come meanwhile are kept."""
+        deadline = time.monotonic() + seconds
+        while (line := self._lines.next(deadline)) is not None:
+            message = json.loads(line)
+            self.messages.append(message)
+            if message["type"] == kind and accept(message):
+                return message
+        raise AssertionError(f"no such {kind} within {seconds} s; the last messages were "
+                             f"{self.messages[-3:]}")
+
+    def collect(self, seconds):
+        """Keep all that comes in this time."""
+        deadline = time.monotonic() + seconds
+        while (line := self._lines.next(deadline)) is not None:
+            self.messages.append(json.loads(line))
+
+    def of(self, kind):
+        """The messages of one type that have come so far."""
+        return [message for message in self.messages if message["type"] == kind]
+
+
+class Camera:
+    """Bytes of any kind on a channel, in the format of LCM's short messages."""
+
+    MAGIC = 0x4C433032
+    ADDRESS = ("239.255.76.67", 7667)
+
+    def __init__(self, channel="CAMERA"):
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._channel = channel.encode()
+        self._number = 0
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._socket.close()
+
+    def send_datagram(self, data):
+        self._socket.sendto(data, self.ADDRESS)
+
+    def send(self, message):
+        """Any bytes as one message."""
+        header = struct.pack(">II", self.MAGIC, self._number)
+        self._number += 1
+        self.send_datagram(header + self._channel + b"\0" + message)
+
+    def send_jpeg(self, utime, data):
+        """A well-formed camera message; what it says is a JPEG need not be one."""
+        self.send(image_message(utime, data))
+
+
+def image_message(utime, data):
+    """A bot_core.image_t that carries a JPEG."""
+    fingerprint = 0x14739FFE13D5F5F0
+    mjpg = int.from_bytes(b"MJPG", "little")
+    return (struct.pack(">QqiiiIi", fingerprint, utime, 0, 0, 0, mjpg, len(data)) + data +
+            struct.pack(">i", 0))

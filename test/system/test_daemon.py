@@ -1,0 +1,300 @@
+"""System test of vdna_selectord: real daemon, real network, real LCM, simulated pictures.
+
+Environment: VDNA_BIN (folder of the programs), VDNA_MODELS (folder of the backbones).
+Works in the current directory; an existing map is used again.
+"""
+import os
+import shutil
+import signal
+import statistics
+import subprocess
+import time
+import unittest
+
+import own_network
+from selectord import BIN, Camera, Selectord, Watch, image_message, selectord, vdna, vdna_json
+
+WORK = os.path.abspath("daemon")
+MAP = os.path.join(WORK, "map")
+LIVE = os.path.join(WORK, "live")
+CONDITIONS = ["summer", "winter", "night"]
+FRAMES = 24   # of the live drive
+WARMUP = 12   # of them
+RATE = 10     # Hz; the network needs a tenth of that time
+
+
+def prepare():
+    """Three traversals as a map, and a drive on another day of one of them."""
+    if os.path.exists(LIVE):
+        return
+    shutil.rmtree(WORK, ignore_errors=True)
+    drives = [os.path.join(WORK, condition) for condition in CONDITIONS]
+    for drive, condition in zip(drives, CONDITIONS):
+        vdna("simulate", drive, "--condition", condition, "--frames", 40)
+    vdna("build", MAP, *drives)
+    vdna("simulate", LIVE + ".part", "--condition", "winter", "--frames", FRAMES, "--seed", 7)
+    os.rename(LIVE + ".part", LIVE)
+
+
+def first_picture():
+    name = sorted(name for name in os.listdir(LIVE) if name.endswith(".jpg"))[0]
+    with open(os.path.join(LIVE, name), "rb") as file:
+        return file.read()
+
+
+def play(*options):
+    vdna("play", LIVE, "--rate", RATE, *options)
+
+
+def has_answered(frames):
+    """A status that has them all."""
+    return lambda status: (status["received"] >= frames and status["received"] ==
+                           status["skipped"] + status["processed"] + status["refused"])
+
+
+class Network(unittest.TestCase):
+    """A daemon on the network."""
+
+    def drive(self, *options):
+        """Everything that a fresh daemon says to the live drive.
+
+        On a busy machine it may pass over frames, as it is meant to; then they are played again.
+        """
+        for _ in range(3):
+            with Watch() as watch, Selectord("--map", MAP, *options):
+                play("--stamp", "recorded")
+                status = watch.wait_for("status", has_answered(FRAMES))
+            if status["skipped"] == 0:
+                return watch
+        self.skipTest("this machine is too busy to process 10 frames a second")
+
+    def test_says_what_rank_and_localise_say(self):
+        said = self.drive("--warmup-frames", WARMUP)
+        answers = said.of("localisation")
+        self.assertEqual([answer["validity"] for answer in answers],
+                         ["WARMING_UP"] * WARMUP + ["VALID"] * (FRAMES - WARMUP))
+
+        rankings = said.of("ranking")
+        self.assertEqual(len(rankings), 1)
+        ranked = rankings[0]["ranking"]
+        expected = vdna_json("rank", LIVE, MAP, "--warmup", WARMUP)
+        self.assertEqual([(entry["experience"], entry["distance_bins"]) for entry in ranked],
+                         [(entry["experience"], entry["distance_bins"])
+                          for entry in expected["ranking"]])
+        self.assertEqual(rankings[0]["margin_bins"], expected["margin_bins"])
+        self.assertEqual(rankings[0]["window_frames"], WARMUP)
+        self.assertEqual(rankings[0]["utime"] - rankings[0]["window_begin_utime"],
+                         answers[WARMUP - 1]["utime"] - answers[0]["utime"])
+
+        chosen = ranked[0]["experience"]
+        self.assertEqual(chosen, "winter")
+        matches = vdna_json("localise", LIVE, MAP, "--in", chosen, "--skip", WARMUP,
+                          "--matches")["candidates"][0]["matches"]
+        fields = ("utime", "experience", "frame", "frame_utime", "distance")
+        self.assertEqual([[answer[field] for field in fields] for answer in answers[WARMUP:]],
+                         [[match[field] for field in fields] for match in matches])
+
+    def test_warms_up_for_a_time(self):
+        said = self.drive("--warmup-seconds", 0.75)
+        # Stamps are 0.0, 0.1, ... 0.7; the frame of 0.8 completes the window and is localised.
+        self.assertEqual(said.of("ranking")[0]["window_frames"], 8)
+        self.assertEqual([answer["validity"] for answer in said.of("localisation")],
+                         ["WARMING_UP"] * 8 + ["VALID"] * (FRAMES - 8))
+
+    def test_a_reset_command_makes_it_choose_again(self):
+        with Watch() as watch, Selectord("--map", MAP, "--warmup-frames", 4) as daemon:
+            play("--frames", 12)
+            watch.wait_for("ranking")
+            vdna("command", "reset")
+            watch.wait_for("status", lambda status: status["state"] == "WARMUP")
+            play("--frames", 12)
+            watch.wait_for("ranking")
+            watch.wait_for("status", lambda status: status["state"] == "SELECTED")
+        self.assertEqual(len(watch.of("ranking")), 2)
+        self.assertTrue(any("reset" in line for line in daemon.log), daemon.log)
+
+    def test_malformed_messages_are_counted_and_harmless(self):
+        good = image_message(1, b"\xff\xd8\xff")
+        malformed = [
+            b"", b"\0", b"garbage", good[:-1], good + b"\0", b"\0" * len(good),
+            good[:36] + b"\xff\xff\xff\xff" + good[40:],  # size of the data: -1
+            good[:36] + b"\x7f\xff\xff\xff" + good[40:],  # ... and 2 GiB
+            good[:-4] + b"\x7f\xff\xff\xff",              # two thousand million metadata
+            good[:32] + b"\0\0\0\0" + good[36:],          # pixel format 0
+        ]
+        not_lcm = [b"", b"LC", b"LC02", b"LC02\0\0\0\0", b"LC02\0\0\0\0CAMERA", b"\xff" * 1400,
+                   b"LC03" + b"\0" * 4, b"LC03" + b"\0" * 16]
+        with Watch() as watch, Camera() as camera, \
+                Selectord("--map", MAP, "--warmup-frames", 4) as daemon:
+            for data in not_lcm:
+                camera.send_datagram(data)
+            for message in malformed:
+                camera.send(message)
+            watch.wait_for("status", lambda status: status["rejected"] == len(malformed))
+            camera.send_jpeg(5, first_picture())
+            self.assertEqual(watch.wait_for("localisation")["utime"], 5)
+            self.assertTrue(daemon.is_running())
+        self.assertEqual(watch.of("status")[-1]["received"], 0)
+
+    def test_a_picture_that_cannot_be_decoded_is_answered_refused(self):
+        picture = first_picture()
+        with Watch() as watch, Camera() as camera, \
+                Selectord("--map", MAP, "--warmup-frames", 4) as daemon:
+            for utime, data in enumerate([b"\xff\xd8\xffnot a picture", b"", picture[:200]]):
+                camera.send_jpeg(utime, data)
+                answer = watch.wait_for("localisation")
+                self.assertEqual((answer["utime"], answer["validity"]), (utime, "REFUSED"))
+                self.assertIsNone(answer["experience"])
+            status = watch.wait_for("status", lambda status: status["refused"] == 3)
+            self.assertEqual((status["processed"], status["progress"]), (0, 0))
+            self.assertIn("refused", status["message"])
+            camera.send_jpeg(3, picture)
+            self.assertEqual(watch.wait_for("localisation")["validity"], "WARMING_UP")
+        self.assertTrue(any("refused" in line for line in daemon.log), daemon.log)
+
+    def test_time_that_runs_backwards_begins_the_warmup_anew(self):
+        with Watch() as watch, Camera() as camera, Selectord("--map", MAP, "--warmup-frames", 3):
+            for utime in (10, 20, 5, 6, 7):
+                camera.send_jpeg(utime, first_picture())
+                watch.wait_for("localisation")
+            status = watch.wait_for("status", has_answered(5))
+        self.assertEqual(status["restarts"], 1)
+        self.assertEqual([(ranking["window_begin_utime"], ranking["utime"])
+                          for ranking in watch.of("ranking")], [(5, 7)])
+
+    def test_status_comes_once_a_second_without_frames(self):
+        with Watch() as watch, Selectord("--map", MAP) as daemon:
+            first = watch.wait_for("status")
+            watch.collect(4.5)
+            self.assertTrue(daemon.is_running())
+        self.assertIn(len(watch.of("status")) - 1, (4, 5))
+        self.assertEqual((first["state"], first["progress"], first["experience"]),
+                         ("WARMUP", 0, ""))
+        self.assertEqual((first["experiences"], first["backbone"], first["message"]),
+                         (len(CONDITIONS), "efficientnet_lite0", ""))
+        self.assertLess(abs(first["utime"] / 1e6 - time.time()), 60)
+        self.assertGreater(first["resident_bytes"], 1 << 20)
+
+    def test_memory_stays_flat_while_frames_come(self):
+        with Watch() as watch, Selectord("--map", MAP, "--warmup-frames", 4):
+            sender = subprocess.Popen([os.path.join(BIN, "vdna"), "play", LIVE, "--rate", "100",
+                                       "--loop"], stdout=subprocess.DEVNULL)
+            try:
+                early = watch.wait_for("status", lambda status: status["processed"] >= 50)
+                late = watch.wait_for("status", lambda status: status["processed"] >= 350)
+            finally:
+                sender.kill()
+                sender.wait()
+        self.assertLess(late["resident_bytes"] - early["resident_bytes"], 2 << 20)
+        self.assertEqual(late["rejected"] + late["refused"], 0)
+
+    def test_signals_end_it_at_once_even_in_the_middle_of_an_inference(self):
+        took = []
+        for number in (signal.SIGTERM, signal.SIGINT) * 3:
+            with Watch() as watch, Selectord("--map", MAP) as daemon:
+                sender = subprocess.Popen([os.path.join(BIN, "vdna"), "play", LIVE, "--rate",
+                                           "500", "--loop"], stdout=subprocess.DEVNULL)
+                try:
+                    watch.wait_for("localisation")
+                    code, seconds = daemon.stop(number)
+                finally:
+                    sender.kill()
+                    sender.wait()
+            self.assertEqual(code, 0, daemon.log)
+            took.append(seconds)
+        print(f"from signal to exit: median {1000 * statistics.median(took):.0f} ms, at most "
+              f"{1000 * max(took):.0f} ms")
+        self.assertLess(statistics.median(took), 0.5)
+
+    def test_a_signal_ends_it_while_it_starts(self):
+        for delay in (0, 0.02, 0.1):
+            process = subprocess.Popen([os.path.join(BIN, "vdna_selectord"), "--map", MAP],
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(delay)
+            process.terminate()
+            self.assertIn(process.wait(20), (0, -signal.SIGTERM))
+
+
+class CommandLine(unittest.TestCase):
+    """Runs that end by themselves."""
+
+    def configure(self, text):
+        path = os.path.join(WORK, f"{self.id()}.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
+
+    def assert_refused(self, text, place, *words):
+        """The configuration ends the daemon with exit code 2 and a line that names the place."""
+        path = self.configure(text)
+        result = selectord("-c", path)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertTrue(result.stderr.startswith(f"vdna_selectord: {path}:{place}: "),
+                        result.stderr)
+        self.assertEqual(result.stderr.count("\n"), 1)
+        for word in words:
+            self.assertIn(word, result.stderr)
+
+    def test_mistakes_in_the_configuration_are_named_with_their_place(self):
+        self.assert_refused("[map]\ndirectry = 'x'\n", "2:1", "'directry'", "directory")
+        self.assert_refused("[warmup]\nframes = 'many'\n", "2:10", "'many'", "an integer")
+        self.assert_refused("[warmup]\nframes = 0\n", "2:10", "is 0", "from 1")
+        self.assert_refused("[warmup]\nframes = 5\nseconds = 1.5\n", "3:11", "both")
+        self.assert_refused("[camera]\n", "1:2", "'camera'", "[lcm]")
+        self.assert_refused("[lcm]\ncamera = ''\n", "2:10", "1 to 63 bytes")
+        self.assert_refused("[lcm\n", "1:5", "TOML")
+
+    def test_a_configuration_that_cannot_be_read_is_named(self):
+        result = selectord("-c", os.path.join(WORK, "none.toml"))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("none.toml: cannot be read: No such file", result.stderr)
+
+    def test_the_printed_configuration_is_accepted_and_printed_again(self):
+        printed = selectord("--map", "/a 'quoted' \"path\"\\", "--warmup-seconds", 2.5, "-l",
+                            "udpm://239.255.76.67:7667?ttl=0", "--print-config")
+        self.assertEqual(printed.returncode, 0, printed.stderr)
+        self.assertIn("seconds = 2.5", printed.stdout)
+        self.assertNotIn("frames", printed.stdout)
+        again = selectord("-c", self.configure(printed.stdout), "--print-config")
+        self.assertEqual(again.stdout, printed.stdout)
+
+    def test_options_override_the_file(self):
+        path = self.configure("[map]\ndirectory = '/file'\n[warmup]\nseconds = 5\n")
+        printed = selectord("--warmup-frames", 7, "-c", path, "--print-config").stdout
+        self.assertIn("directory = '/file'", printed)
+        self.assertIn("frames = 7", printed)
+        self.assertNotIn("seconds", printed)
+
+    def test_check_opens_everything_but_the_network(self):
+        result = selectord("--map", MAP, "--check", "-l", "nonsense://")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertTrue(result.stdout.startswith(f"OK: {MAP}: 3 experiences"), result.stdout)
+
+    def test_a_map_of_another_backbone_is_refused(self):
+        for option in ([], ["--check"]):
+            result = selectord("--map", MAP, "--backbone", "mobilenet_v2", *option)
+            self.assertEqual((result.returncode, result.stdout), (1, ""))
+            self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+            for word in (MAP, "efficientnet_lite0", "mobilenet_v2", "vdna build"):
+                self.assertIn(word, result.stderr)
+
+    def test_a_missing_map_is_refused(self):
+        result = selectord("--map", os.path.join(WORK, "nowhere"), "--check")
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        self.assertIn("nowhere", result.stderr)
+
+    def test_a_network_that_cannot_be_joined_is_refused(self):
+        result = selectord("--map", MAP, "-l", "nonsense://")
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        self.assertIn("nonsense://", result.stderr)
+
+    def test_version_and_help_are_answered(self):
+        self.assertRegex(selectord("--version").stdout, r"^vdna_selectord \d+\.\d+\.\d+\n$")
+        answer = selectord("--help")
+        self.assertEqual(answer.returncode, 0)
+        self.assertIn("Exit codes", answer.stdout)
+        self.assertEqual(selectord("--unknown").returncode, 2)
+
+
+if __name__ == "__main__":
+    own_network.main(prepare)
