@@ -176,6 +176,7 @@ static void what_is_written_is_read_back(void **state)
     vdna_experience_close(&e);
     assert_null(e.mapping);
     vdna_experience_close(&e);
+    vdna_experience_close(NULL);
 }
 
 static void an_experience_needs_no_places_and_no_positions(void **state)
@@ -415,8 +416,9 @@ static void a_header_that_is_no_json_of_safetensors_is_refused(void **state)
         "{\"__metadata__\":{\"a\":\"\xED\xA0\x80\"}}",
         "{\"__metadata__\":{\"a\":\"\xF4\x90\x80\x80\"}}",
         "{\"__metadata__\":{\"a\":\"\xE2\x82",
+        "{\"__metadata__\":{\"a\":\"\xE2\x82\xC0\"}}",
         "{\"__metadata__\":{\"a\":\"\\u00",
-        "{\"__metadata__\":{\"a\":\"\\",
+        "{\"__metadata__\":{\"ab\":\"\\", /* 24 bytes: no padding behind the backslash */
         "{\"__metadata__\":{}",
         "{\"__metadata__\":{}} x",
         "{\"a234567890123456789012345678901234567890123456789012345678901234\":{}}",

@@ -77,6 +77,9 @@ static void an_empty_or_missing_directory_is_refused(void **state)
     assert_int_equal(vdna_map_count(path_in(made, "none"), &error, &count), VDNA_ERR_IO);
     assert_non_null(strstr(error.text, "none: cannot read the directory: No such file"));
     assert_int_equal(vdna_map_count(NULL, &error, &count), VDNA_ERR_ARG);
+    vdna_experience map[1];
+    assert_int_equal(vdna_map_open(path_in(made, "none"), 1, &error, map, &count), VDNA_ERR_IO);
+    assert_int_equal(vdna_map_open(made->path, 1, &error, NULL, &count), VDNA_ERR_ARG);
 }
 
 static void more_experiences_than_there_is_room_for_are_refused(void **state)
