@@ -31,11 +31,13 @@ static void write_as(const directory *made, const char *file, const char *name, 
 
 static void assert_map_refused(const directory *made, vdna_status expected, const char *reason)
 {
-    vdna_experience map[4];
+    vdna_experience map[4] = {{.mapping = NULL}};
     vdna_error error = {""};
     uint32_t count = 77;
     assert_int_equal(vdna_map_open(made->path, 4, &error, map, &count), expected);
     assert_int_equal(count, 77);
+    for (size_t i = 0; i < 4; i++)
+        assert_null(map[i].mapping);
     if (!strstr(error.text, reason) || !strstr(error.text, made->path))
         fail_msg("expected the directory and \"%s\" in: %s", reason, error.text);
 }
