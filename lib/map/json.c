@@ -6,8 +6,7 @@
 
 int vdna_json_fail(vdna_json *json, const char *expected)
 {
-    if (!json->expected)
-        json->expected = expected;
+    json->expected = expected;
     return 0;
 }
 
@@ -20,8 +19,6 @@ static void skip_space(vdna_json *json)
 
 int vdna_json_try(vdna_json *json, char mark)
 {
-    if (json->expected)
-        return 0;
     skip_space(json);
     if (json->at == json->end || *json->at != (unsigned char)mark)
         return 0;
@@ -188,8 +185,6 @@ int vdna_json_string(vdna_json *json, char *out, size_t capacity)
 int vdna_json_number(vdna_json *json, uint64_t *out_number)
 {
     static const char *const expected = "a whole number below 2^64";
-    if (json->expected)
-        return 0;
     skip_space(json);
     const unsigned char *const first = json->at;
     uint64_t number = 0;
@@ -208,8 +203,6 @@ int vdna_json_number(vdna_json *json, uint64_t *out_number)
 
 int vdna_json_end(vdna_json *json)
 {
-    if (json->expected)
-        return 0;
     skip_space(json);
     return json->at == json->end || vdna_json_fail(json, "the end of the header");
 }

@@ -7,10 +7,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A place in the text. After the first failure every call fails and the place stays. */
+/* A place in the text. It is of no more use after a failure, except to say where that was. */
 typedef struct vdna_json {
     const unsigned char *at, *end;
-    const char *expected; /* what should have stood at `at`; NULL = no failure yet */
+    const char *expected; /* after a failure: what should have stood at `at` */
 } vdna_json;
 
 /* Record a failure at the current place. @return 0 */

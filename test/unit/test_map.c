@@ -176,6 +176,7 @@ static void what_is_written_is_read_back(void **state)
     vdna_experience_close(&e);
     assert_null(e.mapping);
     vdna_experience_close(&e);
+    vdna_experience_close(NULL);
 }
 
 static void an_experience_needs_no_places_and_no_positions(void **state)
@@ -415,16 +416,42 @@ static void a_header_that_is_no_json_of_safetensors_is_refused(void **state)
         "{\"__metadata__\":{\"a\":\"\xED\xA0\x80\"}}",
         "{\"__metadata__\":{\"a\":\"\xF4\x90\x80\x80\"}}",
         "{\"__metadata__\":{\"a\":\"\xE2\x82",
+        "{\"__metadata__\":{\"a\":\"\xE2\x82\xC0\"}}",
         "{\"__metadata__\":{\"a\":\"\\u00",
-        "{\"__metadata__\":{\"a\":\"\\",
+        "{\"__metadata__\":{\"ab\":\"\\", /* 24 bytes: no padding behind the backslash */
         "{\"__metadata__\":{}",
         "{\"__metadata__\":{}} x",
-        "{\"a234567890123456789012345678901234567890123456789012345678901234\":{}}",
     };
     for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
         file f = *(const file *)*state;
         set_header(&f, headers[i]);
         assert_refused(&f, VDNA_ERR_FORMAT, "expected ");
+    }
+}
+
+static void a_key_may_have_63_bytes_and_no_more(void **state)
+{
+    file f = *(const file *)*state;
+    edit_header(
+        &f, "{\"format\"",
+        "{\"123456789012345678901234567890123456789012345678901234567890123\":\"\",\"format\"");
+    assert_opens(&f);
+    edit_header(&f, "{\"123", "{\"0123");
+    assert_refused(&f, VDNA_ERR_FORMAT, "a string that is too long");
+}
+
+static void a_key_is_the_same_however_it_is_escaped(void **state)
+{
+    static const char *const pairs[] = {
+        "{\"A\":\"\",\"\\u0041\":\"\",\"format\"",
+        "{\"\xC3\xA9\":\"\",\"\\u00e9\":\"\",\"format\"",
+        "{\"\xE2\x82\xAC\":\"\",\"\\u20AC\":\"\",\"format\"",
+        "{\"\xF0\x9F\x98\x80\":\"\",\"\\ud83d\\ude00\":\"\",\"format\"",
+    };
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+        file f = *(const file *)*state;
+        edit_header(&f, "{\"format\"", pairs[i]);
+        assert_refused(&f, VDNA_ERR_FORMAT, "each key of __metadata__ once");
     }
 }
 
@@ -564,6 +591,8 @@ int main(void)
         CASE(a_number_that_breaks_a_rule_is_refused),
         CASE(counts_that_match_only_modulo_32_bits_are_refused),
         CASE(a_header_that_is_no_json_of_safetensors_is_refused),
+        CASE(a_key_may_have_63_bytes_and_no_more),
+        CASE(a_key_is_the_same_however_it_is_escaped),
         CASE(more_tensors_or_texts_than_a_header_may_have_are_refused),
         CASE(data_that_is_not_aligned_is_refused),
         CASE(a_file_cut_at_any_length_is_refused),

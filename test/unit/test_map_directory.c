@@ -31,11 +31,13 @@ static void write_as(const directory *made, const char *file, const char *name, 
 
 static void assert_map_refused(const directory *made, vdna_status expected, const char *reason)
 {
-    vdna_experience map[4];
+    vdna_experience map[4] = {{.mapping = NULL}};
     vdna_error error = {""};
     uint32_t count = 77;
     assert_int_equal(vdna_map_open(made->path, 4, &error, map, &count), expected);
     assert_int_equal(count, 77);
+    for (size_t i = 0; i < 4; i++)
+        assert_null(map[i].mapping);
     if (!strstr(error.text, reason) || !strstr(error.text, made->path))
         fail_msg("expected the directory and \"%s\" in: %s", reason, error.text);
 }
@@ -77,6 +79,9 @@ static void an_empty_or_missing_directory_is_refused(void **state)
     assert_int_equal(vdna_map_count(path_in(made, "none"), &error, &count), VDNA_ERR_IO);
     assert_non_null(strstr(error.text, "none: cannot read the directory: No such file"));
     assert_int_equal(vdna_map_count(NULL, &error, &count), VDNA_ERR_ARG);
+    vdna_experience map[1];
+    assert_int_equal(vdna_map_open(path_in(made, "none"), 1, &error, map, &count), VDNA_ERR_IO);
+    assert_int_equal(vdna_map_open(made->path, 1, &error, NULL, &count), VDNA_ERR_ARG);
 }
 
 static void more_experiences_than_there_is_room_for_are_refused(void **state)

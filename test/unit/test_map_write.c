@@ -130,6 +130,18 @@ static void a_killed_writer_leaves_the_old_file(void **state)
     assert_name(path, "summer");
 }
 
+static void the_partial_file_of_another_writer_is_left_alone(void **state)
+{
+    const directory *made = *state;
+    const vdna_experience e = sample_experience();
+    unsigned char kept[8];
+    save_file(path_in(made, "a.vdna.0.partial"), "not mine", 8);
+    assert_int_equal(vdna_experience_write(&e, path_in(made, "a.vdna"), NULL), VDNA_OK);
+    assert_int_equal(load_file(path_in(made, "a.vdna.0.partial"), kept, sizeof kept), 8);
+    assert_memory_equal(kept, "not mine", 8);
+    assert_int_equal(files_in(made->path), 2);
+}
+
 static void a_full_disk_leaves_the_old_file_and_no_other(void **state)
 {
     const char *path = path_in(*state, "a.vdna");
@@ -163,6 +175,21 @@ static void a_place_that_cannot_be_written_is_named(void **state)
     assert_int_equal(vdna_experience_write(&e, path_in(made, "taken/"), &error), VDNA_ERR_IO);
     assert_int_equal(files_in(made->path), 1);
     assert_int_equal(files_in(path_in(made, "taken")), 0);
+}
+
+static void a_path_that_is_too_long_is_refused(void **state)
+{
+    (void)state;
+    const vdna_experience e = sample_experience();
+    vdna_error error;
+    /* A name that leaves no room for ".0.partial". */
+    char name[251] = "", path[5000] = "";
+    memset(name, 'a', sizeof name - 1);
+    assert_int_equal(vdna_experience_write(&e, name, &error), VDNA_ERR_IO);
+    assert_non_null(strstr(error.text, "File name too long"));
+    memset(path, 'a', sizeof path - 1);
+    path[sizeof path - 2] = '/';
+    assert_int_equal(vdna_experience_write(&e, path, &error), VDNA_ERR_IO);
 }
 
 static void a_read_only_directory_is_named(void **state)
@@ -225,8 +252,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         CASE(what_breaks_a_rule_is_not_written),
         CASE(a_killed_writer_leaves_the_old_file),
+        CASE(the_partial_file_of_another_writer_is_left_alone),
         CASE(a_full_disk_leaves_the_old_file_and_no_other),
         CASE(a_place_that_cannot_be_written_is_named),
+        cmocka_unit_test(a_path_that_is_too_long_is_refused),
         CASE(a_read_only_directory_is_named),
         CASE(a_new_file_has_the_usual_access_rights),
         CASE(a_relative_path_is_written_where_the_program_is),
