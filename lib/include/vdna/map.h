@@ -47,10 +47,12 @@ typedef struct vdna_experience {
 } vdna_experience;
 
 /** Open an experience file: map it, check every byte of it, point into it.
- *  @param path  a regular file; the file may be replaced or deleted while it is open
+ *  @param path  a regular file; while it is open it may be replaced by a rename or deleted, but not
+ *               written to or cut short in place: its pages are shared with the file system, and
+ *               reading one that is gone raises SIGBUS. vdna_experience_write() renames
  *  @param error  filled on failure; NULL = not wanted
- *  @return VDNA_OK; VDNA_ERR_IO; VDNA_ERR_FORMAT; VDNA_ERR_CHECKSUM; VDNA_ERR_UNSUPPORTED for a
- * newer format version */
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT; VDNA_ERR_CHECKSUM;
+ *          VDNA_ERR_UNSUPPORTED for a newer format version or a big-endian machine */
 VDNA_API vdna_status vdna_experience_open(const char *path, vdna_error *error,
                                           vdna_experience *out_experience);
 
@@ -60,20 +62,23 @@ VDNA_API void vdna_experience_close(vdna_experience *experience);
 /** Write an experience: temporary file beside `path`, fsync, rename, fsync of the directory. An
  *  interrupted call leaves `path` as it was. `comparable` is computed, not read.
  *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_NONFINITE or VDNA_ERR_MISMATCH (mass and counts) for an
- *          experience that breaks the rules above; VDNA_ERR_IO; VDNA_ERR_NOMEM */
+ *          experience that breaks the rules above; VDNA_ERR_IO; VDNA_ERR_UNSUPPORTED on a
+ *          big-endian machine */
 VDNA_API vdna_status vdna_experience_write(const vdna_experience *experience, const char *path,
                                            vdna_error *error);
 
-/** Check that two experiences may be compared: same model, preprocessing, taps, bins and ranges.
- *  Names and lengths may differ.
- *  @return VDNA_OK; VDNA_ERR_MISMATCH, and `error` names the first field that differs */
+/** Check that two experiences may be compared: same model, preprocessing, taps, dim, bins and
+ *  ranges. Names and lengths may differ.
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_MISMATCH, and `error` names the first field that differs
+ */
 VDNA_API vdna_status vdna_experience_compare(const vdna_experience *a, const vdna_experience *b,
                                              vdna_error *error);
 
 /** Look at the Visual DNA of an experience; the view ends when the experience is closed. */
 VDNA_API void vdna_experience_view(const vdna_experience *experience, vdna_hist_view *out_view);
 
-/** Count the experience files (names ending in VDNA_MAP_EXTENSION) of a directory.
+/** Count the experience files of a directory: names ending in VDNA_MAP_EXTENSION, hidden ones (a
+ *  leading '.') left out.
  *  @return VDNA_OK; VDNA_ERR_IO */
 VDNA_API vdna_status vdna_map_count(const char *directory, vdna_error *error, uint32_t *out_count);
 

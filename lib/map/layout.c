@@ -1,0 +1,31 @@
+#include "layout.h"
+#include <string.h>
+
+void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDNA_FIELD_COUNT])
+{
+    const vdna_experience *e = experience;
+    const vdna_field fields[VDNA_FIELD_COUNT] = {
+        {"frame_utime", "I64", 8, 0, e->frames, 0, e->frame_utime},
+        {"frame_place", "I64", 8, 1, e->frames, 0, e->frame_place},
+        {"frame_position", "F64", 8, 1, e->frames, 3, e->frame_position},
+        {"counts", "U32", 4, 0, e->bins, e->neurons, e->counts},
+        {"mass", "U32", 4, 0, e->neurons, 0, e->mass},
+        {"range", "F32", 4, 0, e->neurons, 2, e->range},
+        {"embeddings", "F32", 4, 0, e->frames, e->dim, e->embeddings},
+        {"frame_grey", "F32", 4, 0, e->frames, 0, e->frame_grey},
+    };
+    memcpy(out_fields, fields, sizeof fields);
+}
+
+uint64_t vdna_layout_elements(const vdna_field *field)
+{
+    return (uint64_t)field->rows * (field->columns == 0 ? 1 : field->columns);
+}
+
+int vdna_layout_fits_host(void)
+{
+    const uint16_t one = 1;
+    unsigned char first;
+    memcpy(&first, &one, 1);
+    return first == 1;
+}

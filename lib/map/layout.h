@@ -1,0 +1,42 @@
+/* Private to lib/map: the tensors of an experience file, for its writer and its reader alike. */
+#ifndef VDNA_LAYOUT_H
+#define VDNA_LAYOUT_H
+
+#include <vdna/map.h>
+
+/* Where each tensor stands in a file of ours: wide elements first, so that each is aligned. */
+enum {
+    VDNA_FIELD_UTIME,
+    VDNA_FIELD_PLACE,
+    VDNA_FIELD_POSITION,
+    VDNA_FIELD_COUNTS,
+    VDNA_FIELD_MASS,
+    VDNA_FIELD_RANGE,
+    VDNA_FIELD_EMBEDDINGS,
+    VDNA_FIELD_GREY,
+    VDNA_FIELD_COUNT
+};
+
+/* The tensor that stands last and checks the rest. */
+#define VDNA_CRC_TENSOR "crc32c"
+
+typedef struct vdna_field {
+    const char *name;
+    const char *dtype;
+    uint32_t width; /* bytes of an element, and its alignment */
+    int optional;
+    uint32_t rows;
+    uint32_t columns; /* 0 = the tensor has one dimension only */
+    const void *data; /* NULL = absent */
+} vdna_field;
+
+/* Describe the tensors of `experience`: shapes from its sizes, data from its pointers. */
+void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDNA_FIELD_COUNT]);
+
+/* Elements of a field; cannot wrap. */
+uint64_t vdna_layout_elements(const vdna_field *field);
+
+/* Whether the numbers of a file can be used as they stand in memory: it is little-endian. */
+int vdna_layout_fits_host(void);
+
+#endif

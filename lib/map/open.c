@@ -1,0 +1,111 @@
+#include "read.h"
+#include <errno.h>
+#include <fail.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* The bytes of a file, read-only; they stay when the file is replaced or deleted. */
+typedef struct file_bytes {
+    void *bytes;
+    size_t size;
+} file_bytes;
+
+static vdna_status refused(const char *path, const char *what, vdna_error *error)
+{
+    return vdna_fail(error, VDNA_ERR_IO, "%s: cannot %s: %s", path, what, strerror(errno));
+}
+
+static vdna_status map_descriptor(int descriptor, const char *path, vdna_error *error,
+                                  file_bytes *out_file)
+{
+    struct stat about;
+    if (fstat(descriptor, &about) != 0)
+        return refused(path, "examine", error);
+    if (!S_ISREG(about.st_mode))
+        return vdna_fail(error, VDNA_ERR_IO, "%s: not a regular file, expected an experience file",
+                         path);
+    if (about.st_size == 0)
+        return vdna_fail(error, VDNA_ERR_FORMAT,
+                         "%s: the file is empty; rebuild it with `vdna build`", path);
+    if ((uintmax_t)about.st_size > SIZE_MAX)
+        return vdna_fail(error, VDNA_ERR_UNSUPPORTED,
+                         "%s: the file is too large for the address space of this machine", path);
+
+    out_file->size = (size_t)about.st_size;
+    out_file->bytes = mmap(NULL, out_file->size, PROT_READ, MAP_PRIVATE, descriptor, 0);
+    if (out_file->bytes == MAP_FAILED)
+        return refused(path, "map into memory", error);
+    /* Every byte is about to be read, in order; only advice, so its result does not matter. */
+    posix_madvise(out_file->bytes, out_file->size, POSIX_MADV_WILLNEED);
+    return VDNA_OK;
+}
+
+static vdna_status map_file(const char *path, vdna_error *error, file_bytes *out_file)
+{
+    /* O_NONBLOCK, so that a FIFO under the name of an experience is refused and not waited for. */
+    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (descriptor < 0)
+        return refused(path, "open", error);
+    const vdna_status status = map_descriptor(descriptor, path, error, out_file);
+    close(descriptor);
+    return status;
+}
+
+static const char *remedy_of(vdna_status status)
+{
+    switch (status) {
+    case VDNA_ERR_CHECKSUM:
+        return "copy it again from its source, or rebuild it with `vdna build`";
+    case VDNA_ERR_UNSUPPORTED:
+        return "update this program, or rebuild the file with its own `vdna build`";
+    default:
+        return "rebuild it with `vdna build`";
+    }
+}
+
+/* see vdna/map.h */
+vdna_status vdna_experience_open(const char *path, vdna_error *error,
+                                 vdna_experience *out_experience)
+{
+    if (!path || !out_experience)
+        return vdna_fail(error, VDNA_ERR_ARG, "experience to open: no path or no place for it");
+    file_bytes file = {NULL, 0};
+    vdna_status status = map_file(path, error, &file);
+    if (status != VDNA_OK)
+        return status;
+
+    vdna_error reason;
+    status = vdna_read(file.bytes, file.size, &reason, out_experience);
+    if (status != VDNA_OK) {
+        munmap(file.bytes, file.size);
+        return vdna_fail(error, status, "%s: %s; %s", path, reason.text, remedy_of(status));
+    }
+    out_experience->mapping = file.bytes;
+    out_experience->mapping_size = file.size;
+    return VDNA_OK;
+}
+
+/* see vdna/map.h */
+void vdna_experience_close(vdna_experience *experience)
+{
+    if (!experience)
+        return;
+    if (experience->mapping)
+        munmap(experience->mapping, experience->mapping_size);
+    memset(experience, 0, sizeof *experience);
+}
+
+/* see vdna/map.h */
+void vdna_experience_view(const vdna_experience *experience, vdna_hist_view *out_view)
+{
+    if (!experience || !out_view)
+        return;
+    out_view->range = experience->range;
+    out_view->counts = experience->counts;
+    out_view->mass = experience->mass;
+    out_view->neurons = experience->neurons;
+    out_view->bins = experience->bins;
+}

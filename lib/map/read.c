@@ -1,0 +1,215 @@
+#include "read.h"
+#include "comparable.h"
+#include "crc32c.h"
+#include "layout.h"
+#include "rules.h"
+#include <fail.h>
+#include <inttypes.h>
+#include <string.h>
+
+static vdna_status check_version(const vdna_header *header, vdna_error *reason)
+{
+    const char *format = vdna_header_text(header, "format");
+    const char *version = vdna_header_text(header, "format_version");
+    if (!format || strcmp(format, "vdna-experience") != 0)
+        return vdna_fail(reason, VDNA_ERR_FORMAT,
+                         "a safetensors file, but no experience: format is not vdna-experience");
+    if (!version || *version < '1' || *version > '9' ||
+        version[strspn(version, "0123456789")] != '\0')
+        return vdna_fail(reason, VDNA_ERR_FORMAT,
+                         "format_version is not a whole number from 1, expected %u",
+                         VDNA_MAP_FORMAT);
+    if (strcmp(version, "1") != 0)
+        return vdna_fail(reason, VDNA_ERR_UNSUPPORTED,
+                         "format version %.20s is newer than this program, which reads %u", version,
+                         VDNA_MAP_FORMAT);
+    return VDNA_OK;
+}
+
+/* Check what the header says of a tensor against what it must be. */
+static vdna_status check_tensor(const vdna_tensor *tensor, const vdna_field *field,
+                                vdna_error *reason)
+{
+    const uint32_t dimensions = field->columns == 0 ? 1 : 2;
+    /* "%.0u" writes nothing for the 0 of a single dimension. */
+    if (strcmp(tensor->dtype, field->dtype) != 0 || tensor->dimensions != dimensions ||
+        tensor->shape[0] != field->rows || (dimensions == 2 && tensor->shape[1] != field->columns))
+        return vdna_fail(reason, VDNA_ERR_FORMAT,
+                         "tensor %s has a dtype or shape that does not fit, expected %s [%" PRIu32
+                         "%s%.0" PRIu32 "]",
+                         field->name, field->dtype, field->rows, dimensions == 2 ? ", " : "",
+                         field->columns);
+    /* Divided, because the product of a lying shape could wrap. */
+    const uint64_t bytes = tensor->end - tensor->begin;
+    if (bytes % field->width != 0 || bytes / field->width != vdna_layout_elements(field))
+        return vdna_fail(reason, VDNA_ERR_FORMAT,
+                         "tensor %s has %" PRIu64 " bytes, expected %" PRIu64 " numbers of %" PRIu32
+                         " bytes",
+                         field->name, bytes, vdna_layout_elements(field), field->width);
+    if (tensor->begin % field->width != 0)
+        return vdna_fail(reason, VDNA_ERR_FORMAT,
+                         "tensor %s begins at byte %" PRIu64 ", expected a multiple of %" PRIu32,
+                         field->name, tensor->begin, field->width);
+    return VDNA_OK;
+}
+
+uint32_t vdna_read_checksum(const unsigned char *bytes, size_t size, const vdna_tensor *crc)
+{
+    const uint32_t before = vdna_crc32c(0, bytes, (size_t)crc->begin);
+    return vdna_crc32c(before, bytes + crc->end, size - (size_t)crc->end);
+}
+
+static vdna_status check_checksum(const unsigned char *bytes, size_t size,
+                                  const vdna_header *header, vdna_error *reason)
+{
+    const vdna_field field = {VDNA_CRC_TENSOR, "U32", 4, 0, 1, 0, NULL};
+    const vdna_tensor *tensor = vdna_header_tensor(header, field.name);
+    if (!tensor)
+        return vdna_fail(reason, VDNA_ERR_FORMAT, "tensor " VDNA_CRC_TENSOR " is missing");
+    const vdna_status status = check_tensor(tensor, &field, reason);
+    if (status != VDNA_OK)
+        return status;
+
+    uint32_t written;
+    memcpy(&written, bytes + tensor->begin, sizeof written);
+    const uint32_t found = vdna_read_checksum(bytes, size, tensor);
+    if (written != found)
+        return vdna_fail(reason, VDNA_ERR_CHECKSUM,
+                         "the bytes have CRC-32C %08" PRIx32 ", expected %08" PRIx32
+                         ": the file is damaged",
+                         found, written);
+    return VDNA_OK;
+}
+
+static vdna_status read_text(const vdna_header *header, const char *key, char *out, size_t capacity,
+                             vdna_error *reason)
+{
+    const char *text = vdna_header_text(header, key);
+    if (!text || strlen(text) >= capacity)
+        return vdna_fail(reason, VDNA_ERR_FORMAT,
+                         "%s in __metadata__ is %s, expected at most %zu bytes", key,
+                         text ? "too long" : "missing", capacity - 1);
+    memcpy(out, text, strlen(text) + 1);
+    return VDNA_OK;
+}
+
+static vdna_status read_texts(const vdna_header *header, vdna_error *reason, vdna_experience *e)
+{
+    const struct {
+        const char *key;
+        char *out;
+        size_t capacity;
+    } texts[] = {
+        {"name", e->name, sizeof e->name},
+        {"backbone", e->backbone, sizeof e->backbone},
+        {"model_sha256", e->model_sha256, sizeof e->model_sha256},
+        {"preprocessing", e->preprocessing, sizeof e->preprocessing},
+        {"taps", e->taps, sizeof e->taps},
+        {"comparable", e->comparable, sizeof e->comparable},
+    };
+    for (size_t t = 0; t < sizeof texts / sizeof *texts; t++) {
+        const vdna_status status =
+            read_text(header, texts[t].key, texts[t].out, texts[t].capacity, reason);
+        if (status != VDNA_OK)
+            return status;
+    }
+    return VDNA_OK;
+}
+
+/* Take two of the experience's sizes from a tensor that has both. */
+static vdna_status read_sizes(const vdna_header *header, const char *name, vdna_error *reason,
+                              uint32_t *out_rows, uint32_t *out_columns)
+{
+    const vdna_tensor *tensor = vdna_header_tensor(header, name);
+    if (!tensor)
+        return vdna_fail(reason, VDNA_ERR_FORMAT, "tensor %s is missing", name);
+    const uint64_t *shape = tensor->shape;
+    if (tensor->dimensions != 2 || shape[0] == 0 || shape[0] > UINT32_MAX || shape[1] == 0 ||
+        shape[1] > UINT32_MAX)
+        return vdna_fail(reason, VDNA_ERR_FORMAT,
+                         "tensor %s has a shape that does not fit, expected two sizes of at least"
+                         " 1 and below 2^32",
+                         name);
+    *out_rows = (uint32_t)shape[0];
+    *out_columns = (uint32_t)shape[1];
+    return VDNA_OK;
+}
+
+static vdna_status read_fields(const unsigned char *bytes, const vdna_header *header,
+                               const vdna_experience *e, vdna_error *reason,
+                               vdna_field fields[VDNA_FIELD_COUNT])
+{
+    vdna_layout_of(e, fields);
+    for (size_t f = 0; f < VDNA_FIELD_COUNT; f++) {
+        const vdna_tensor *tensor = vdna_header_tensor(header, fields[f].name);
+        if (!tensor)
+            continue; /* vdna_rules_check() knows which ones may be absent */
+        const vdna_status status = check_tensor(tensor, &fields[f], reason);
+        if (status != VDNA_OK)
+            return status;
+        fields[f].data = bytes + tensor->begin;
+    }
+    return VDNA_OK;
+}
+
+static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *header,
+                                vdna_error *reason, vdna_experience *e)
+{
+    vdna_field fields[VDNA_FIELD_COUNT];
+    vdna_status status = read_sizes(header, "counts", reason, &e->bins, &e->neurons);
+    if (status == VDNA_OK)
+        status = read_sizes(header, "embeddings", reason, &e->frames, &e->dim);
+    if (status == VDNA_OK)
+        status = read_fields(bytes, header, e, reason, fields);
+    if (status != VDNA_OK)
+        return status;
+
+    e->frame_utime = fields[VDNA_FIELD_UTIME].data;
+    e->frame_place = fields[VDNA_FIELD_PLACE].data;
+    e->frame_position = fields[VDNA_FIELD_POSITION].data;
+    e->counts = fields[VDNA_FIELD_COUNTS].data;
+    e->mass = fields[VDNA_FIELD_MASS].data;
+    e->range = fields[VDNA_FIELD_RANGE].data;
+    e->embeddings = fields[VDNA_FIELD_EMBEDDINGS].data;
+    e->frame_grey = fields[VDNA_FIELD_GREY].data;
+    return VDNA_OK;
+}
+
+static vdna_status check_comparable(const vdna_experience *e, vdna_error *reason)
+{
+    char sha256[VDNA_MAP_SHA256_SIZE];
+    vdna_comparable_of(e, sha256);
+    if (strcmp(sha256, e->comparable) != 0)
+        return vdna_fail(reason, VDNA_ERR_FORMAT,
+                         "comparable is not the SHA-256 of the other fields, which is %s", sha256);
+    return VDNA_OK;
+}
+
+vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reason,
+                      vdna_experience *out_experience)
+{
+    if (!vdna_layout_fits_host())
+        return vdna_fail(reason, VDNA_ERR_UNSUPPORTED,
+                         "experience files are read in place, which needs a little-endian machine");
+
+    vdna_header header;
+    vdna_experience e = {.mapping = NULL};
+    vdna_status status = vdna_header_read(bytes, size, reason, &header);
+    if (status == VDNA_OK)
+        status = check_version(&header, reason);
+    if (status == VDNA_OK)
+        status = check_checksum(bytes, size, &header, reason);
+    if (status == VDNA_OK)
+        status = read_texts(&header, reason, &e);
+    if (status == VDNA_OK)
+        status = read_tensors(bytes, &header, reason, &e);
+    if (status != VDNA_OK)
+        return status;
+
+    if (vdna_rules_check(&e, reason) != VDNA_OK)
+        return VDNA_ERR_FORMAT;
+    status = check_comparable(&e, reason);
+    if (status == VDNA_OK)
+        *out_experience = e;
+    return status;
+}

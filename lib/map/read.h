@@ -1,0 +1,17 @@
+/* Private to lib/map: an experience from the bytes of its file, wherever they come from. */
+#ifndef VDNA_READ_H
+#define VDNA_READ_H
+
+#include "header.h"
+
+/* Check every byte of a file and point into it.
+ * @param bytes  aligned for int64_t; borrowed by `out_experience`, whose mapping stays NULL
+ * @param reason  filled on failure, without the name of the file
+ * @return VDNA_OK; VDNA_ERR_FORMAT; VDNA_ERR_CHECKSUM; VDNA_ERR_UNSUPPORTED */
+vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reason,
+                      vdna_experience *out_experience);
+
+/* The checksum that belongs into tensor `crc` (U32 [1]): of all bytes of the file but its own. */
+uint32_t vdna_read_checksum(const unsigned char *bytes, size_t size, const vdna_tensor *crc);
+
+#endif

@@ -1,0 +1,130 @@
+#include "replace.h"
+#include <errno.h>
+#include <fail.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Bytes of the longest path that Linux takes. */
+#define PATH_SIZE 4096
+
+/* Writers of one file at a time, and files that crashed writers left, until no name is free. */
+#define PARTIAL_NAMES 100u
+
+static vdna_status refused(const char *path, const char *what, vdna_error *error)
+{
+    return vdna_fail(error, VDNA_ERR_IO,
+                     "%s: cannot %s: %s; the file was not written, an older one is unchanged", path,
+                     what, strerror(errno));
+}
+
+/* Open the directory that `path` is in. @return a descriptor; -1 and errno */
+static int open_directory(const char *path, const char *name)
+{
+    char directory[PATH_SIZE] = ".";
+    const size_t length = (size_t)(name - path);
+    if (length >= sizeof directory) {
+        errno = ENAMETOOLONG;
+        return -1;
+    }
+    if (length > 0) {
+        memcpy(directory, path, length);
+        directory[length] = '\0';
+    }
+    return open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+}
+
+/* Create a file that was not there, with the access rights of any new file. The name does not end
+ * as an experience does, so one that a crash leaves behind is never read. */
+static int create_partial(vdna_replace *file)
+{
+    for (unsigned n = 0; n < PARTIAL_NAMES; n++) {
+        const int length =
+            snprintf(file->partial, sizeof file->partial, "%s.%u.partial", file->name, n);
+        if (length < 0 || (size_t)length >= sizeof file->partial) {
+            errno = ENAMETOOLONG;
+            return -1;
+        }
+        const int descriptor =
+            openat(file->directory, file->partial, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor >= 0 || errno != EEXIST)
+            return descriptor;
+    }
+    return -1;
+}
+
+vdna_status vdna_replace_begin(const char *path, vdna_error *error, vdna_replace *out_file)
+{
+    const char *slash = strrchr(path, '/');
+    out_file->path = path;
+    out_file->name = slash ? slash + 1 : path;
+    out_file->directory = open_directory(path, out_file->name);
+    if (out_file->directory < 0)
+        return refused(path, "open its directory", error);
+    out_file->file = create_partial(out_file);
+    if (out_file->file >= 0)
+        return VDNA_OK;
+    const vdna_status status = refused(path, "create a .partial file beside it", error);
+    close(out_file->directory);
+    return status;
+}
+
+vdna_status vdna_replace_write(const vdna_replace *file, const void *bytes, size_t size,
+                               vdna_error *error)
+{
+    const char *at = bytes;
+    while (size > 0) {
+        const ssize_t written = write(file->file, at, size);
+        if (written < 0 && errno == EINTR)
+            continue;
+        if (written < 0)
+            return refused(file->path, "write", error);
+        at += written;
+        size -= (size_t)written;
+    }
+    return VDNA_OK;
+}
+
+/* fsync() that no signal ends early. @return 0; -1 and errno */
+static int sync_descriptor(int descriptor)
+{
+    int result;
+    do
+        result = fsync(descriptor);
+    while (result != 0 && errno == EINTR);
+    return result;
+}
+
+vdna_status vdna_replace_commit(vdna_replace *file, vdna_error *error)
+{
+    const char *failed = NULL;
+    if (sync_descriptor(file->file) != 0)
+        failed = "fsync";
+    else if (renameat(file->directory, file->partial, file->directory, file->name) != 0)
+        failed = "rename a complete .partial file to it";
+    if (failed) {
+        const vdna_status status = refused(file->path, failed, error);
+        vdna_replace_abandon(file);
+        return status;
+    }
+
+    vdna_status status = VDNA_OK;
+    /* Some file systems cannot sync a directory, and say EINVAL: there is no more to be done. */
+    if (sync_descriptor(file->directory) != 0 && errno != EINVAL)
+        status = vdna_fail(error, VDNA_ERR_IO,
+                           "%s: written, but cannot fsync its directory: %s; it may not survive a"
+                           " loss of power, write it again",
+                           file->path, strerror(errno));
+    /* All data is on the disk: closing has nothing left to report. */
+    close(file->file);
+    close(file->directory);
+    return status;
+}
+
+void vdna_replace_abandon(vdna_replace *file)
+{
+    unlinkat(file->directory, file->partial, 0);
+    close(file->file);
+    close(file->directory);
+}

@@ -1,0 +1,13 @@
+/* Private to lib/map: what makes an experience valid, whether it is to be written or was read. */
+#ifndef VDNA_RULES_H
+#define VDNA_RULES_H
+
+#include <vdna/map.h>
+
+/* Check every field except `comparable` against the rules of vdna/map.h and docs/SPEC-map.md.
+ * @param reason  filled on failure, without the name of the file
+ * @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NONFINITE; VDNA_ERR_MISMATCH for numbers that contradict
+ *         each other */
+vdna_status vdna_rules_check(const vdna_experience *experience, vdna_error *reason);
+
+#endif

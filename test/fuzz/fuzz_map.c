@@ -1,0 +1,93 @@
+/* Any bytes as an experience file. */
+#define _POSIX_C_SOURCE 200809L
+#include "fuzz.h"
+#include "layout.h"
+#include "map_files.h"
+#include "read.h"
+#include <vdna/emd.h>
+
+static void require(int condition)
+{
+    if (!condition)
+        abort();
+}
+
+/* Read all that an accepted experience points to: what was promised must hold. */
+static void use(const vdna_experience *e)
+{
+    vdna_hist_view view;
+    vdna_experience_view(e, &view);
+    const size_t scratch_size = vdna_emd_scratch_size(e->neurons);
+    void *scratch = malloc(scratch_size);
+    double distance = 0;
+    const vdna_status status = vdna_emd_mean(&view, &view, scratch, scratch_size, &distance);
+    free(scratch);
+    require(distance == 0 && (status == VDNA_OK || status == VDNA_ERR_OVERFLOW));
+    require(vdna_experience_compare(e, e, NULL) == VDNA_OK);
+
+    vdna_field fields[VDNA_FIELD_COUNT];
+    vdna_layout_of(e, fields);
+    for (size_t f = 0; f < VDNA_FIELD_COUNT; f++) {
+        const size_t size = (size_t)vdna_layout_elements(&fields[f]) * fields[f].width;
+        void *copy = malloc(size);
+        if (copy && fields[f].data)
+            memcpy(copy, fields[f].data, size);
+        free(copy);
+    }
+}
+
+static void read_and_use(const unsigned char *bytes, size_t size)
+{
+    vdna_experience e;
+    vdna_error reason = {""};
+    const vdna_status status = vdna_read(bytes, size, &reason, &e);
+    if (status == VDNA_OK)
+        use(&e);
+    else
+        require(reason.text[0] != '\0');
+}
+
+/* Make the checksum right, so that what is behind it is tried as well. */
+static int repair(unsigned char *bytes, size_t size)
+{
+    vdna_header header;
+    if (vdna_header_read(bytes, size, NULL, &header) != VDNA_OK)
+        return 0;
+    const vdna_tensor *crc = vdna_header_tensor(&header, VDNA_CRC_TENSOR);
+    if (!crc || crc->end - crc->begin != sizeof(uint32_t))
+        return 0;
+    const uint32_t checksum = vdna_read_checksum(bytes, size, crc);
+    memcpy(bytes + crc->begin, &checksum, sizeof checksum);
+    return 1;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    unsigned char *copy = malloc(size);
+    if (!copy)
+        return 0;
+    memcpy(copy, bytes, size);
+    read_and_use(copy, size);
+    if (repair(copy, size))
+        read_and_use(copy, size);
+    free(copy);
+    return 0;
+}
+
+/* The sample, and the same without what is optional. */
+size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
+{
+    vdna_experience e = sample_experience();
+    if (index > 1)
+        return 0;
+    if (index == 1) {
+        e.frame_place = NULL;
+        e.frame_position = NULL;
+    }
+    const directory made = make_directory();
+    const char *path = path_in(&made, "seed");
+    require(vdna_experience_write(&e, path, NULL) == VDNA_OK);
+    const size_t size = load_file(path, out, capacity);
+    remove_directory(&made);
+    return size;
+}

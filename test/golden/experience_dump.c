@@ -1,0 +1,76 @@
+/* The bridge for test_map.py: writes the sample experience, or prints one that others wrote.
+ *
+ *     experience_dump write FILE
+ *     experience_dump read FILE     a line each: the field's name, then its numbers or its text */
+#define _POSIX_C_SOURCE 200809L
+#include "map_files.h"
+#include <inttypes.h>
+
+static void print_unsigned(const char *name, const uint32_t *numbers, size_t count)
+{
+    printf("%s", name);
+    for (size_t i = 0; i < count; i++)
+        printf(" %" PRIu32, numbers[i]);
+    printf("\n");
+}
+
+static void print_signed(const char *name, const int64_t *numbers, size_t count)
+{
+    printf("%s", name);
+    for (size_t i = 0; numbers && i < count; i++)
+        printf(" %" PRId64, numbers[i]);
+    printf("\n");
+}
+
+/* Nine digits tell every float from its neighbours. */
+static void print_floats(const char *name, const float *numbers, size_t count)
+{
+    printf("%s", name);
+    for (size_t i = 0; i < count; i++)
+        printf(" %.9g", (double)numbers[i]);
+    printf("\n");
+}
+
+static void print_doubles(const char *name, const double *numbers, size_t count)
+{
+    printf("%s", name);
+    for (size_t i = 0; numbers && i < count; i++)
+        printf(" %.17g", numbers[i]);
+    printf("\n");
+}
+
+static void print(const vdna_experience *e)
+{
+    const size_t neurons = e->neurons, frames = e->frames;
+    printf("name %s\nbackbone %s\nmodel_sha256 %s\npreprocessing %s\ntaps %s\ncomparable %s\n",
+           e->name, e->backbone, e->model_sha256, e->preprocessing, e->taps, e->comparable);
+    print_unsigned("counts", e->counts, e->bins * neurons);
+    print_unsigned("mass", e->mass, neurons);
+    print_floats("range", e->range, 2 * neurons);
+    print_floats("embeddings", e->embeddings, frames * e->dim);
+    print_signed("frame_utime", e->frame_utime, frames);
+    print_signed("frame_place", e->frame_place, frames);
+    print_doubles("frame_position", e->frame_position, 3 * frames);
+    print_floats("frame_grey", e->frame_grey, frames);
+}
+
+int main(int argc, char **argv)
+{
+    vdna_error error;
+    vdna_experience e = sample_experience();
+    const int writes = argc == 3 && strcmp(argv[1], "write") == 0;
+    if (!writes && (argc != 3 || strcmp(argv[1], "read") != 0)) {
+        fprintf(stderr, "usage: experience_dump write|read FILE\n");
+        return 2;
+    }
+    const vdna_status status = writes ? vdna_experience_write(&e, argv[2], &error)
+                                      : vdna_experience_open(argv[2], &error, &e);
+    if (status != VDNA_OK) {
+        fprintf(stderr, "%s\n", error.text);
+        return EXIT_FAILURE;
+    }
+    if (!writes)
+        print(&e);
+    vdna_experience_close(&e);
+    return EXIT_SUCCESS;
+}

@@ -1,0 +1,100 @@
+/* A small experience whose numbers can be checked by hand, and a directory to keep its files in. */
+#ifndef MAP_FILES_H
+#define MAP_FILES_H
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <vdna/map.h>
+
+#define SAMPLE_SHA256 "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"
+
+/* Two frames of three neurons in four bins. Two neurons are of tap "mid" with four samples a frame,
+ * so their mass is 8; the third is of tap "top" with one sample a frame, so its mass is 2. */
+static inline vdna_experience sample_experience(void)
+{
+    static const float range[3][2] = {{-1.0f, 1.0f}, {0.0f, 6.0f}, {-2.5f, 2.5f}};
+    static const uint32_t counts[4][3] = {{1, 8, 0}, {2, 0, 0}, {3, 0, 1}, {2, 0, 1}};
+    static const uint32_t mass[3] = {8, 8, 2};
+    static const float embeddings[2][5] = {{1, 0, 0, 0, 0}, {0, 0.5f, -0.5f, 0.5f, -0.5f}};
+    static const int64_t utime[2] = {1000000, 1033333};
+    static const int64_t place[2] = {17, 18};
+    static const double position[2][3] = {{0, 0, 0}, {1.5, -2, 0.25}};
+    static const float grey[2] = {0, 127.5f};
+    const vdna_experience sample = {
+        .name = "winter",
+        .backbone = "tiny-net_1.0",
+        .model_sha256 = SAMPLE_SHA256,
+        .preprocessing = "rgb 8x8 \"area\" mean=0 std=1 \\",
+        .taps = "mid:2:4,top:1:1",
+        .neurons = 3,
+        .bins = 4,
+        .frames = 2,
+        .dim = 5,
+        .range = range[0],
+        .counts = counts[0],
+        .mass = mass,
+        .embeddings = embeddings[0],
+        .frame_utime = utime,
+        .frame_place = place,
+        .frame_position = position[0],
+        .frame_grey = grey,
+    };
+    return sample;
+}
+
+/* Where a test's files are; made by make_directory(), removed with all in it by
+ * remove_directory(). */
+typedef struct directory {
+    char path[64];
+} directory;
+
+static inline directory make_directory(void)
+{
+    directory made = {"/tmp/vdna-test-map-XXXXXX"};
+    if (!mkdtemp(made.path)) {
+        perror(made.path);
+        abort();
+    }
+    return made;
+}
+
+static inline void remove_directory(const directory *made)
+{
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf '%s'", made->path);
+    if (system(command) != 0)
+        abort();
+}
+
+/* The path of a file in it; valid until the eighth call after this one. */
+static inline const char *path_in(const directory *made, const char *name)
+{
+    static char paths[8][192];
+    static unsigned next;
+    char *path = paths[next++ % 8];
+    snprintf(path, sizeof paths[0], "%s/%s", made->path, name);
+    return path;
+}
+
+static inline size_t load_file(const char *path, unsigned char *out, size_t capacity)
+{
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        abort();
+    const size_t size = fread(out, 1, capacity, file);
+    fclose(file);
+    return size;
+}
+
+static inline void save_file(const char *path, const void *bytes, size_t size)
+{
+    /* ext4 waits for the disk when an old file is cut and rewritten. */
+    unlink(path);
+    FILE *file = fopen(path, "wb");
+    if (!file || fwrite(bytes, 1, size, file) != size || fclose(file) != 0)
+        abort();
+}
+
+#endif

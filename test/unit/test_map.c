@@ -1,0 +1,608 @@
+/* Experience files: what is written is read back, and nothing but valid files is read. */
+#define _POSIX_C_SOURCE 200809L
+#include "map_files.h"
+#include <fcntl.h>
+#include <inttypes.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <sys/stat.h>
+
+#include <cmocka.h>
+
+#define FILE_SIZE 8192
+
+/* A file to damage: the sample's bytes, and where the damaged ones go. */
+typedef struct file {
+    directory directory;
+    unsigned char bytes[FILE_SIZE];
+    size_t size;
+} file;
+
+static int set_up(void **state)
+{
+    file *f = calloc(1, sizeof *f);
+    f->directory = make_directory();
+    const vdna_experience sample = sample_experience();
+    const char *path = path_in(&f->directory, "sample");
+    if (vdna_experience_write(&sample, path, NULL) != VDNA_OK)
+        return -1;
+    f->size = load_file(path, f->bytes, sizeof f->bytes);
+    *state = f;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    const file *f = *state;
+    remove_directory(&f->directory);
+    free(*state);
+    return 0;
+}
+
+/* Bit by bit, to check the tables of the library. */
+static uint32_t crc32c(const unsigned char *bytes, size_t size)
+{
+    uint32_t crc = 0xFFFFFFFF;
+    for (size_t i = 0; i < size; i++) {
+        crc ^= bytes[i];
+        for (int bit = 0; bit < 8; bit++)
+            crc = crc >> 1 ^ (crc & 1 ? 0x82F63B78 : 0);
+    }
+    return ~crc;
+}
+
+/* Make the last four bytes the checksum of the others. */
+static void seal(file *f)
+{
+    const uint32_t crc = crc32c(f->bytes, f->size - 4);
+    memcpy(f->bytes + f->size - 4, &crc, sizeof crc);
+}
+
+static size_t header_length(const file *f)
+{
+    uint64_t length;
+    memcpy(&length, f->bytes, sizeof length);
+    return (size_t)length;
+}
+
+/* Replace the header by another text, padded as a writer pads it. */
+static void set_header(file *f, const char *text)
+{
+    char padded[FILE_SIZE];
+    const size_t old_end = 8 + header_length(f), tail = f->size - old_end;
+    size_t length = strlen(text);
+    memcpy(padded, text, length);
+    while (length % 8 != 0)
+        padded[length++] = ' ';
+
+    memmove(f->bytes + 8 + length, f->bytes + old_end, tail);
+    const uint64_t written = length;
+    memcpy(f->bytes, &written, sizeof written);
+    memcpy(f->bytes + 8, padded, length);
+    f->size = 8 + length + tail;
+    seal(f);
+}
+
+/* Replace a part of the header, which must be there. */
+static void edit_header(file *f, const char *from, const char *to)
+{
+    char text[FILE_SIZE], edited[FILE_SIZE];
+    memcpy(text, f->bytes + 8, header_length(f));
+    text[header_length(f)] = '\0';
+    char *found = strstr(text, from);
+    if (!found)
+        fail_msg("the header has no %s: %s", from, text);
+    *found = '\0';
+    snprintf(edited, sizeof edited, "%s%s%s", text, to, found + strlen(from));
+    set_header(f, edited);
+}
+
+/* Overwrite a number of a tensor. */
+static void edit_data(file *f, const char *tensor, size_t index, const void *number, size_t width)
+{
+    char text[FILE_SIZE], key[64];
+    memcpy(text, f->bytes + 8, header_length(f));
+    text[header_length(f)] = '\0';
+    snprintf(key, sizeof key, "\"%s\":", tensor);
+    const char *offsets = strstr(strstr(text, key), "data_offsets\":[");
+    const size_t begin = (size_t)atoi(offsets + strlen("data_offsets\":["));
+    memcpy(f->bytes + 8 + header_length(f) + begin + index * width, number, width);
+    seal(f);
+}
+
+static vdna_status open_bytes(const file *f, vdna_error *error, vdna_experience *out)
+{
+    const char *path = path_in(&f->directory, "damaged");
+    save_file(path, f->bytes, f->size);
+    return vdna_experience_open(path, error, out);
+}
+
+static void assert_opens(const file *f)
+{
+    vdna_error error = {""};
+    vdna_experience e;
+    const vdna_status status = open_bytes(f, &error, &e);
+    if (status != VDNA_OK)
+        fail_msg("refused: %s", error.text);
+    vdna_experience_close(&e);
+}
+
+/* Check that the file is refused for the reason meant, by name, and nothing is handed out. */
+static void assert_refused(const file *f, vdna_status expected, const char *reason)
+{
+    vdna_error error = {""};
+    vdna_experience e, untouched;
+    memset(&e, 0xAA, sizeof e);
+    untouched = e;
+    assert_int_equal(open_bytes(f, &error, &e), expected);
+    assert_memory_equal(&e, &untouched, sizeof e);
+    if (!strstr(error.text, reason) || !strstr(error.text, "damaged: "))
+        fail_msg("expected the path and \"%s\" in: %s", reason, error.text);
+}
+
+static void what_is_written_is_read_back(void **state)
+{
+    const file *f = *state;
+    const vdna_experience sample = sample_experience();
+    vdna_experience e;
+    assert_int_equal(vdna_experience_open(path_in(&f->directory, "sample"), NULL, &e), VDNA_OK);
+    assert_string_equal(e.name, sample.name);
+    assert_string_equal(e.backbone, sample.backbone);
+    assert_string_equal(e.model_sha256, sample.model_sha256);
+    assert_string_equal(e.preprocessing, sample.preprocessing);
+    assert_string_equal(e.taps, sample.taps);
+    assert_int_equal(e.neurons, 3);
+    assert_int_equal(e.bins, 4);
+    assert_int_equal(e.frames, 2);
+    assert_int_equal(e.dim, 5);
+    assert_memory_equal(e.range, sample.range, 3 * 2 * sizeof(float));
+    assert_memory_equal(e.counts, sample.counts, 4 * 3 * sizeof(uint32_t));
+    assert_memory_equal(e.mass, sample.mass, 3 * sizeof(uint32_t));
+    assert_memory_equal(e.embeddings, sample.embeddings, 2 * 5 * sizeof(float));
+    assert_memory_equal(e.frame_utime, sample.frame_utime, 2 * sizeof(int64_t));
+    assert_memory_equal(e.frame_place, sample.frame_place, 2 * sizeof(int64_t));
+    assert_memory_equal(e.frame_position, sample.frame_position, 2 * 3 * sizeof(double));
+    assert_memory_equal(e.frame_grey, sample.frame_grey, 2 * sizeof(float));
+
+    vdna_hist_view view;
+    vdna_experience_view(&e, &view);
+    assert_ptr_equal(view.counts, e.counts);
+    assert_ptr_equal(view.mass, e.mass);
+    assert_ptr_equal(view.range, e.range);
+    assert_int_equal(view.neurons, 3);
+    assert_int_equal(view.bins, 4);
+    vdna_experience_close(&e);
+    assert_null(e.mapping);
+    vdna_experience_close(&e);
+    vdna_experience_close(NULL);
+}
+
+static void an_experience_needs_no_places_and_no_positions(void **state)
+{
+    const file *f = *state;
+    const char *path = path_in(&f->directory, "bare");
+    vdna_experience sample = sample_experience(), e;
+    sample.frame_place = NULL;
+    sample.frame_position = NULL;
+    assert_int_equal(vdna_experience_write(&sample, path, NULL), VDNA_OK);
+    assert_int_equal(vdna_experience_open(path, NULL, &e), VDNA_OK);
+    assert_null(e.frame_place);
+    assert_null(e.frame_position);
+    assert_int_equal(e.frame_utime[1], 1033333);
+    vdna_experience_close(&e);
+}
+
+static void the_checksum_is_crc32c_of_all_before_it(void **state)
+{
+    const file *f = *state;
+    assert_int_equal(crc32c((const unsigned char *)"123456789", 9), 0xE3069283);
+    uint32_t written;
+    memcpy(&written, f->bytes + f->size - 4, sizeof written);
+    assert_int_equal(written, crc32c(f->bytes, f->size - 4));
+}
+
+static void every_other_spelling_of_the_header_opens(void **state)
+{
+    static const struct {
+        const char *from, *to;
+    } edits[] = {
+        {"\"name\":\"winter\"", "\"name\" :\n\t\"\\u0077in\\u0074er\"\r"},
+        {"mean=0", "mean\\u003D0"},
+        {"\"backbone\"", "\"b\\u0061ckbone\""},
+        {"\"mass\":{\"dtype\":\"U32\",\"shape\":[3],",
+         "\"mass\":{\"shape\":[ 3 ],\"dtype\":\"U32\","},
+        /* What others add is theirs: a text in two, three and four bytes and escapes, a tensor. */
+        {"{\"format\"",
+         "{\"note\":\"\xC3\xA9\xE2\x82\xAC\xF0\x9F\x98\x80\\n\\\"\\/\\ud83d\\ude00\","
+         "\"format\""},
+        {"\"mass\":",
+         "\"mean\":{\"dtype\":\"BF16\",\"shape\":[0,7],\"data_offsets\":[0,0]},\"mass\":"},
+        {"\"mass\":",
+         "\"scalar\":{\"dtype\":\"F64\",\"shape\":[],\"data_offsets\":[80,80]},\"mass\":"},
+    };
+    for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
+        file f = *(const file *)*state;
+        edit_header(&f, edits[i].from, edits[i].to);
+        assert_opens(&f);
+    }
+}
+
+static void a_newer_format_version_is_unsupported_and_says_what_to_do(void **state)
+{
+    file f = *(const file *)*state;
+    edit_header(&f, "\"format_version\":\"1\"", "\"format_version\":\"2\"");
+    assert_refused(&f, VDNA_ERR_UNSUPPORTED, "update this program");
+    edit_header(&f, "\"format_version\":\"2\"", "\"format_version\":\"10\"");
+    assert_refused(&f, VDNA_ERR_UNSUPPORTED, "version 10 is newer");
+}
+
+static void metadata_that_breaks_a_rule_is_refused(void **state)
+{
+    static const struct {
+        const char *from, *to, *reason;
+    } edits[] = {
+        {"vdna-experience", "vdna-experiences", "format is not vdna-experience"},
+        {"\"format\":\"vdna-experience\",", "", "format is not vdna-experience"},
+        {"\"format_version\":\"1\"", "\"format_version\":\"0\"", "format_version"},
+        {"\"format_version\":\"1\"", "\"format_version\":\"1.0\"", "format_version"},
+        {"\"format_version\":\"1\"", "\"format_version\":\"\"", "format_version"},
+        {"\"format_version\"", "\"version\"", "format_version"},
+        {"\"name\":", "\"title\":", "name in __metadata__ is missing"},
+        {"\"backbone\":", "\"bone\":", "backbone in __metadata__ is missing"},
+        {"\"model_sha256\":", "\"sha\":", "model_sha256 in __metadata__ is missing"},
+        {"\"preprocessing\":", "\"pre\":", "preprocessing in __metadata__ is missing"},
+        {"\"taps\":", "\"tap\":", "taps in __metadata__ is missing"},
+        {"\"comparable\":", "\"same\":", "comparable in __metadata__ is missing"},
+        {"winter", "", "name is empty"},
+        {"winter", "win ter", "name has a character"},
+        {"winter", "../winter", "name has a character"},
+        {"winter", SAMPLE_SHA256, "name in __metadata__ is too long"},
+        {"tiny-net_1.0", "tiny/net", "backbone has a character"},
+        {"\"model_sha256\":\"0", "\"model_sha256\":\"", "model_sha256 is not 64"},
+        {"\"model_sha256\":\"0123456789a", "\"model_sha256\":\"0123456789A",
+         "model_sha256 is not 64"},
+        {"rgb 8x8", "rgb\\n8x8", "preprocessing has a character"},
+        {"rgb 8x8", "rgb\xC3\xA9", "preprocessing has a character"},
+        {"mid:2:4,top:1:1", "", "taps is empty"},
+        {"mid:2:4,top:1:1", "mid:2:4,top:1", "NAME:NEURONS:SAMPLES"},
+        {"mid:2:4,top:1:1", "mid:2:4,top:1:1,", "NAME:NEURONS:SAMPLES"},
+        {"mid:2:4,top:1:1", ":2:4,top:1:1", "NAME:NEURONS:SAMPLES"},
+        {"mid:2:4,top:1:1", "mid:02:4,top:1:1", "NAME:NEURONS:SAMPLES"},
+        {"mid:2:4,top:1:1", "mid:0:4,top:1:1", "NAME:NEURONS:SAMPLES"},
+        {"mid:2:4,top:1:1", "mid:2:4,top:1:-1", "NAME:NEURONS:SAMPLES"},
+        {"mid:2:4,top:1:1", "mid:2:4,top:1:4294967297", "NAME:NEURONS:SAMPLES"},
+        {"mid:2:4,top:1:1", "mid:2:4,top:1:10000000001", "NAME:NEURONS:SAMPLES"},
+        {"mid:2:4,top:1:1", "mid:2:4", "do not have the 3 neurons"},
+        {"mid:2:4,top:1:1", "mid:2:4,top:2:1", "do not have the 3 neurons"},
+        {"mid:2:4,top:1:1", "mid:2:4,top:4294967295:1", "do not have the 3 neurons"},
+        {"mid:2:4,top:1:1", "mid:2:4,top:1:2", "the mass of neuron 2 is 2, expected 4"},
+        {"mid:2:4,top:1:1", "mad:2:4,top:1:1", "comparable is not"},
+        {"tiny-net", "tiny\\u0000net", "a character of a JSON string"},
+    };
+    for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
+        file f = *(const file *)*state;
+        edit_header(&f, edits[i].from, edits[i].to);
+        assert_refused(&f, VDNA_ERR_FORMAT, edits[i].reason);
+    }
+}
+
+static void a_tensor_that_breaks_a_rule_is_refused(void **state)
+{
+    static const struct {
+        const char *from, *to, *reason;
+    } edits[] = {
+        {"\"counts\":", "\"count\":", "tensor counts is missing"},
+        {"\"embeddings\":", "\"embedding\":", "tensor embeddings is missing"},
+        {"\"mass\":", "\"mess\":", "mass is missing"},
+        {"\"range\":", "\"ranges\":", "range is missing"},
+        {"\"frame_utime\":", "\"utime\":", "frame_utime is missing"},
+        {"\"frame_grey\":", "\"grey\":", "frame_grey is missing"},
+        {"\"crc32c\":", "\"crc\":", "tensor crc32c is missing"},
+        {"\"counts\":{\"dtype\":\"U32\"", "\"counts\":{\"dtype\":\"I32\"",
+         "tensor counts has a dtype"},
+        {"\"mass\":{\"dtype\":\"U32\"", "\"mass\":{\"dtype\":\"F32\"", "tensor mass has a dtype"},
+        {"\"frame_place\":{\"dtype\":\"I64\"", "\"frame_place\":{\"dtype\":\"F64\"",
+         "tensor frame_place has a dtype"},
+        {"\"crc32c\":{\"dtype\":\"U32\"", "\"crc32c\":{\"dtype\":\"F32\"",
+         "tensor crc32c has a dtype"},
+        {"\"shape\":[4,3]", "\"shape\":[12]", "tensor counts has a shape"},
+        {"\"shape\":[4,3]", "\"shape\":[4,3,1]", "tensor counts has a shape"},
+        {"\"shape\":[4,3]", "\"shape\":[0,3]", "tensor counts has a shape"},
+        {"\"shape\":[4,3]", "\"shape\":[4294967296,3]", "tensor counts has a shape"},
+        {"\"shape\":[4,3]", "\"shape\":[3,4]", "tensor mass has a dtype or shape"},
+        {"\"shape\":[4,3]", "\"shape\":[5,3]", "48 bytes, expected 15 numbers of 4"},
+        /* Their product, in bytes, is 2^64. */
+        {"\"shape\":[2,5]", "\"shape\":[2147483648,2147483648]", "tensor frame_utime has a dtype"},
+        {"\"shape\":[3,2]", "\"shape\":[2,3]", "tensor range has a dtype or shape"},
+        {"\"crc32c\":{\"dtype\":\"U32\",\"shape\":[1]",
+         "\"crc32c\":{\"dtype\":\"U32\",\"shape\":[]", "tensor crc32c has a dtype or shape"},
+        /* The eight bytes of place 1 go to frame_position. */
+        {"\"data_offsets\":[16,32]", "\"data_offsets\":[16,24]", "leave a gap or overlap"},
+        {"\"data_offsets\":[16,32]", "\"data_offsets\":[8,32]", "leave a gap or overlap"},
+        {"\"data_offsets\":[16,32]", "\"data_offsets\":[32,16]", "leave a gap or overlap"},
+        {"\"data_offsets\":[0,16]", "\"data_offsets\":[4,16]", "leave a gap or overlap"},
+        {"\"data_offsets\":[16,32]", "\"data_offsets\":[16,18446744073709551615]",
+         "leave a gap or overlap"},
+        {"\"mass\":{", "\"counts\":{", "each tensor once"},
+        {"\"taps\":", "\"name\":", "each key of __metadata__ once"},
+        {"{\"__metadata__\":", "{\"__metadata__\":{},\"__metadata__\":", "one __metadata__ only"},
+    };
+    for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
+        file f = *(const file *)*state;
+        edit_header(&f, edits[i].from, edits[i].to);
+        assert_refused(&f, VDNA_ERR_FORMAT, edits[i].reason);
+    }
+}
+
+static void a_number_that_breaks_a_rule_is_refused(void **state)
+{
+    const float nan = NAN, infinity = INFINITY, one = 1, negative = -1, too_bright = 255.5f;
+    const double infinite = INFINITY;
+    const uint32_t seven = 7;
+    const struct {
+        const char *tensor;
+        size_t index;
+        const void *number;
+        size_t width;
+        const char *reason;
+    } edits[] = {
+        {"mass", 1, &seven, 4, "the mass of neuron 1 is 7, expected 8"},
+        {"counts", 10, &seven, 4, "the counts of neuron 1 add up to 15"},
+        {"range", 0, &one, 4, "the range of neuron 0"},
+        {"range", 3, &nan, 4, "the range of neuron 1"},
+        {"range", 5, &infinity, 4, "the range of neuron 2"},
+        {"range", 5, &one, 4, "comparable is not"},
+        {"embeddings", 9, &nan, 4, "the embedding of frame 1"},
+        {"embeddings", 0, &infinity, 4, "the embedding of frame 0"},
+        {"frame_grey", 1, &nan, 4, "the grey level of frame 1"},
+        {"frame_grey", 0, &negative, 4, "the grey level of frame 0"},
+        {"frame_grey", 0, &too_bright, 4, "the grey level of frame 0 is 255.5"},
+        {"frame_position", 4, &infinite, 8, "the position of frame 1"},
+    };
+    for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
+        file f = *(const file *)*state;
+        edit_data(&f, edits[i].tensor, edits[i].index, edits[i].number, edits[i].width);
+        assert_refused(&f, VDNA_ERR_FORMAT, edits[i].reason);
+    }
+}
+
+static void counts_that_match_only_modulo_32_bits_are_refused(void **state)
+{
+    file f = *(const file *)*state;
+    const uint32_t half = 0x80000000;
+    edit_data(&f, "counts", 4, &half, 4);
+    edit_data(&f, "counts", 7, &half, 4);
+    assert_refused(&f, VDNA_ERR_FORMAT, "the counts of neuron 1 add up to 4294967304");
+}
+
+static void a_header_that_is_no_json_of_safetensors_is_refused(void **state)
+{
+    static const char *const headers[] = {
+        "",
+        " {}",
+        "{",
+        "{}",
+        "[]",
+        "null",
+        "{\"a\"",
+        "{\"a\":",
+        "{\"a\":1}",
+        "{\"a\":{}}",
+        "{\"a\":[[[[[[[[[[[[[[[[[[[[[[",
+        "{\"a\":{\"a\":{\"a\":{\"a\":{\"a\":",
+        "{\"a\":{\"dtype\":\"U8\",\"shape\":[0],\"data_offsets\":[0,0],\"x\":1}}",
+        "{\"a\":{\"dtype\":\"U8\",\"shape\":[0],\"shape\":[0]}}",
+        "{\"a\":{\"dtype\":\"U8\",\"shape\":[-1],\"data_offsets\":[0,0]}}",
+        "{\"a\":{\"dtype\":\"U8\",\"shape\":[00],\"data_offsets\":[0,0]}}",
+        "{\"a\":{\"dtype\":\"U8\",\"shape\":[1e3],\"data_offsets\":[0,0]}}",
+        "{\"a\":{\"dtype\":\"U8\",\"shape\":[0,],\"data_offsets\":[0,0]}}",
+        "{\"a\":{\"dtype\":\"U8\",\"shape\":[18446744073709551616],\"data_offsets\":[0,0]}}",
+        "{\"a\":{\"dtype\":\"U8\",\"shape\":[1,1,1,1,1,1,1,1,1],\"data_offsets\":[0,0]}}",
+        "{\"a\":{\"dtype\":\"U8\",\"shape\":[0],\"data_offsets\":[0]}}",
+        "{\"a\":{\"dtype\":\"U8\",\"shape\":[0],\"data_offsets\":[0,0,0]}}",
+        "{\"a\":{\"dtype\":8,\"shape\":[0],\"data_offsets\":[0,0]}}",
+        "{\"__metadata__\":{\"a\":1}}",
+        "{\"__metadata__\":{\"a\":\"\n\"}}",
+        "{\"__metadata__\":{\"a\":\"\\x\"}}",
+        "{\"__metadata__\":{\"a\":\"\\u12\"}}",
+        "{\"__metadata__\":{\"a\":\"\\u12g4\"}}",
+        "{\"__metadata__\":{\"a\":\"\\ud83d\"}}",
+        "{\"__metadata__\":{\"a\":\"\\ude00\\ud83d\"}}",
+        "{\"__metadata__\":{\"a\":\"\x80\"}}",
+        "{\"__metadata__\":{\"a\":\"\xC0\xAF\"}}",
+        "{\"__metadata__\":{\"a\":\"\xE0\x80\xAF\"}}",
+        "{\"__metadata__\":{\"a\":\"\xED\xA0\x80\"}}",
+        "{\"__metadata__\":{\"a\":\"\xF4\x90\x80\x80\"}}",
+        "{\"__metadata__\":{\"a\":\"\xE2\x82",
+        "{\"__metadata__\":{\"a\":\"\xE2\x82\xC0\"}}",
+        "{\"__metadata__\":{\"a\":\"\\u00",
+        "{\"__metadata__\":{\"ab\":\"\\", /* 24 bytes: no padding behind the backslash */
+        "{\"__metadata__\":{}",
+        "{\"__metadata__\":{}} x",
+    };
+    for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
+        file f = *(const file *)*state;
+        set_header(&f, headers[i]);
+        assert_refused(&f, VDNA_ERR_FORMAT, "expected ");
+    }
+}
+
+static void a_key_may_have_63_bytes_and_no_more(void **state)
+{
+    file f = *(const file *)*state;
+    edit_header(
+        &f, "{\"format\"",
+        "{\"123456789012345678901234567890123456789012345678901234567890123\":\"\",\"format\"");
+    assert_opens(&f);
+    edit_header(&f, "{\"123", "{\"0123");
+    assert_refused(&f, VDNA_ERR_FORMAT, "a string that is too long");
+}
+
+static void a_key_is_the_same_however_it_is_escaped(void **state)
+{
+    static const char *const pairs[] = {
+        "{\"A\":\"\",\"\\u0041\":\"\",\"format\"",
+        "{\"\xC3\xA9\":\"\",\"\\u00e9\":\"\",\"format\"",
+        "{\"\xE2\x82\xAC\":\"\",\"\\u20AC\":\"\",\"format\"",
+        "{\"\xF0\x9F\x98\x80\":\"\",\"\\ud83d\\ude00\":\"\",\"format\"",
+    };
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+        file f = *(const file *)*state;
+        edit_header(&f, "{\"format\"", pairs[i]);
+        assert_refused(&f, VDNA_ERR_FORMAT, "each key of __metadata__ once");
+    }
+}
+
+static void more_tensors_or_texts_than_a_header_may_have_are_refused(void **state)
+{
+    file f = *(const file *)*state;
+    char tensors[FILE_SIZE / 2] = "", texts[FILE_SIZE / 2] = "";
+    for (int i = 0; i < 33; i++) {
+        sprintf(tensors + strlen(tensors),
+                "\"%d\":{\"dtype\":\"U8\",\"shape\":[0],\"data_offsets\":[0,0]},", i);
+        sprintf(texts + strlen(texts), "\"%d\":\"\",", i);
+    }
+    strcat(tensors, "\"counts\":");
+    strcat(texts, "\"name\":");
+    edit_header(&f, "\"counts\":", tensors);
+    assert_refused(&f, VDNA_ERR_FORMAT, "no more than 32 tensors");
+    f = *(const file *)*state;
+    edit_header(&f, "\"name\":", texts);
+    assert_refused(&f, VDNA_ERR_FORMAT, "no more than 32 texts");
+}
+
+static void data_that_is_not_aligned_is_refused(void **state)
+{
+    file f = *(const file *)*state;
+    memmove(f.bytes + 9, f.bytes + 8, f.size - 8);
+    f.bytes[8] = '{';
+    f.bytes[9] = ' ';
+    f.bytes[0]++;
+    f.size++;
+    seal(&f);
+    assert_refused(&f, VDNA_ERR_FORMAT, "expected a multiple of");
+}
+
+static void a_file_cut_at_any_length_is_refused(void **state)
+{
+    file f = *(const file *)*state;
+    for (size_t size = 0; size < ((const file *)*state)->size; size++) {
+        f.size = size;
+        assert_refused(&f, VDNA_ERR_FORMAT,
+                       size == 0  ? "empty"
+                       : size < 8 ? "expected at least"
+                                  : "cut short");
+    }
+}
+
+static void a_byte_more_is_refused(void **state)
+{
+    file f = *(const file *)*state;
+    f.size++;
+    assert_refused(&f, VDNA_ERR_FORMAT, "bytes, but");
+}
+
+static void any_damaged_byte_is_refused(void **state)
+{
+    const file *f = *state;
+    for (size_t i = 0; i < f->size; i++)
+        for (unsigned mask = 1; mask < 256; mask = 2 * mask + 1) {
+            file damaged = *f;
+            damaged.bytes[i] ^= (unsigned char)mask;
+            vdna_experience e;
+            assert_int_not_equal(open_bytes(&damaged, NULL, &e), VDNA_OK);
+        }
+}
+
+static void a_damaged_number_is_a_checksum_error(void **state)
+{
+    file f = *(const file *)*state;
+    f.bytes[f.size - 10] ^= 1;
+    assert_refused(&f, VDNA_ERR_CHECKSUM, "copy it again");
+}
+
+static void a_length_beyond_the_file_is_refused_before_it_is_used(void **state)
+{
+    file f = *(const file *)*state;
+    memset(f.bytes, 0xFF, 8);
+    assert_refused(&f, VDNA_ERR_FORMAT, "the header claims 18446744073709551615 bytes");
+    memset(f.bytes, 0, 8);
+    assert_refused(&f, VDNA_ERR_FORMAT, "byte 8 of the file: expected '{'");
+}
+
+static void what_is_no_regular_file_is_refused_without_waiting(void **state)
+{
+    const file *f = *state;
+    const char *fifo = path_in(&f->directory, "fifo");
+    vdna_experience e;
+    vdna_error error;
+    assert_int_equal(mkfifo(fifo, 0600), 0);
+    assert_int_equal(vdna_experience_open(fifo, &error, &e), VDNA_ERR_IO);
+    assert_non_null(strstr(error.text, "fifo: not a regular file"));
+    assert_int_equal(vdna_experience_open(f->directory.path, &error, &e), VDNA_ERR_IO);
+    assert_non_null(strstr(error.text, "not a regular file"));
+    assert_int_equal(vdna_experience_open("/dev/zero", &error, &e), VDNA_ERR_IO);
+    assert_int_equal(vdna_experience_open(path_in(&f->directory, "none"), &error, &e), VDNA_ERR_IO);
+    assert_non_null(strstr(error.text, "none: cannot open: No such file"));
+    assert_int_equal(vdna_experience_open(NULL, &error, &e), VDNA_ERR_ARG);
+    assert_int_equal(vdna_experience_open(fifo, &error, NULL), VDNA_ERR_ARG);
+}
+
+static void a_huge_sparse_file_is_refused(void **state)
+{
+    const file *f = *state;
+    const char *path = path_in(&f->directory, "sparse");
+    const int descriptor = open(path, O_WRONLY | O_CREAT, 0600);
+    vdna_experience e;
+    if (ftruncate(descriptor, (off_t)1 << 40) != 0)
+        skip();
+    close(descriptor);
+    assert_int_equal(vdna_experience_open(path, NULL, &e), VDNA_ERR_FORMAT);
+}
+
+static void an_open_experience_outlives_its_file(void **state)
+{
+    const file *f = *state;
+    const char *path = path_in(&f->directory, "sample");
+    vdna_experience e;
+    assert_int_equal(vdna_experience_open(path, NULL, &e), VDNA_OK);
+    vdna_experience other = sample_experience();
+    strcpy(other.name, "summer");
+    assert_int_equal(vdna_experience_write(&other, path, NULL), VDNA_OK);
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(e.mass[0], 8);
+    assert_string_equal(e.name, "winter");
+    vdna_experience_close(&e);
+}
+
+int main(void)
+{
+#define CASE(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        CASE(what_is_written_is_read_back),
+        CASE(an_experience_needs_no_places_and_no_positions),
+        CASE(the_checksum_is_crc32c_of_all_before_it),
+        CASE(every_other_spelling_of_the_header_opens),
+        CASE(a_newer_format_version_is_unsupported_and_says_what_to_do),
+        CASE(metadata_that_breaks_a_rule_is_refused),
+        CASE(a_tensor_that_breaks_a_rule_is_refused),
+        CASE(a_number_that_breaks_a_rule_is_refused),
+        CASE(counts_that_match_only_modulo_32_bits_are_refused),
+        CASE(a_header_that_is_no_json_of_safetensors_is_refused),
+        CASE(a_key_may_have_63_bytes_and_no_more),
+        CASE(a_key_is_the_same_however_it_is_escaped),
+        CASE(more_tensors_or_texts_than_a_header_may_have_are_refused),
+        CASE(data_that_is_not_aligned_is_refused),
+        CASE(a_file_cut_at_any_length_is_refused),
+        CASE(a_byte_more_is_refused),
+        CASE(any_damaged_byte_is_refused),
+        CASE(a_damaged_number_is_a_checksum_error),
+        CASE(a_length_beyond_the_file_is_refused_before_it_is_used),
+        CASE(what_is_no_regular_file_is_refused_without_waiting),
+        CASE(a_huge_sparse_file_is_refused),
+        CASE(an_open_experience_outlives_its_file),
+    };
+    return cmocka_run_group_tests_name("map", tests, NULL, NULL);
+}
