@@ -347,24 +347,27 @@ void add_build(CLI::App &app)
     CLI::App *command =
         app.add_subcommand("build", "Turn recorded traversals into the experience files of a map");
     const auto options = std::make_shared<BuildOptions>();
-    command->add_option("map", options->map, "directory of the map; made if it does not exist")
-        ->type_name("MAP")
+    command->add_option("MAP", options->map, "directory of the map; made if it does not exist")
+        ->type_name("")
         ->required();
     command
-        ->add_option("source", options->sources,
+        ->add_option("SOURCE", options->sources,
                      "folder of pictures, video file or LCM log; each becomes MAP/NAME.vdna")
-        ->type_name("SOURCE")
+        ->type_name("")
         ->required();
     add_network_options(*command, options->network,
                         std::string("that of the map, else ") + default_backbone);
     add_source_options(*command, options->source);
     add_labels_option(*command, options->source);
-    command->add_option("--name", options->name,
-                        "name of the experience, for one source (default: that of the source)");
+    command
+        ->add_option("--name", options->name,
+                     "name of the experience, for one source (default: that of the source)")
+        ->type_name("NAME");
     command
         ->add_option("--bins", options->bins,
                      "bins per neuron (default: those of the map, else 1000)")
-        ->check(CLI::Range(VDNA_HIST_BINS_MIN, VDNA_HIST_BINS_MAX));
+        ->check(CLI::Range(VDNA_HIST_BINS_MIN, VDNA_HIST_BINS_MAX).description(""))
+        ->type_name("2..65536");
     command
         ->add_option("--ranges", options->ranges,
                      "ranges file of `vdna calibrate`, or an experience file (default: the "

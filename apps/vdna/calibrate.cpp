@@ -49,11 +49,11 @@ void add_calibrate(CLI::App &app)
         "calibrate", "Find the ranges of a backbone from pictures, and keep them in a file");
     const auto options = std::make_shared<CalibrateOptions>();
     options->network.backbone = default_backbone;
-    command->add_option("out", options->out, "ranges file to write, JSON")
-        ->type_name("OUT.json")
+    command->add_option("OUT.json", options->out, "ranges file to write, JSON")
+        ->type_name("")
         ->required();
-    command->add_option("source", options->sources, "folder of pictures, video file or LCM log")
-        ->type_name("SOURCE")
+    command->add_option("SOURCE", options->sources, "folder of pictures, video file or LCM log")
+        ->type_name("")
         ->required();
     add_network_options(*command, options->network, default_backbone);
     add_source_options(*command, options->source);

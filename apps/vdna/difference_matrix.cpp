@@ -17,8 +17,8 @@ namespace
 
 // The matrices are held in memory all at once, because they share one scale.
 constexpr uint64_t cells_max = uint64_t{1} << 27;
-// The drawn height of a matrix is brought into these limits, in pixels.
-constexpr int height_min = 400, height_max = 1200;
+// The longest side of all matrices is brought into these limits, in pixels.
+constexpr uint32_t side_min = 600, side_max = 1600;
 constexpr int margin = 16, title_height = 44, width_min = 260; // pixels
 
 double distance(const float *a, const float *b, size_t dim)
@@ -93,6 +93,16 @@ std::string title_of(const Localisation &localisation)
     return text;
 }
 
+// Pixels per cell: whole ones, or less than one where there are so many that they are averaged.
+double zoom_of(const Recording &live, const std::vector<const vdna_experience *> &experiences)
+{
+    uint32_t longest = live.frames;
+    for (const vdna_experience *experience : experiences)
+        longest = std::max(longest, experience->frames);
+    const double zoom = double{std::clamp(longest, side_min, side_max)} / longest;
+    return zoom > 1 ? std::ceil(zoom) : zoom;
+}
+
 // One matrix with its title and matches, on white.
 cv::Mat panel_of(const cv::Mat &matrix, const std::pair<double, double> &scale, double zoom,
                  const Localisation &localisation)
@@ -129,11 +139,7 @@ void draw_difference_matrices(const Recording &live,
         matrices.push_back(matrix_of(live, *experience));
     const std::pair<double, double> scale = scale_of(matrices);
 
-    const double height = std::clamp(static_cast<int>(live.frames), height_min, height_max);
-    // Whole cells stay square pixels; many frames are averaged.
-    double zoom = height / live.frames;
-    if (zoom > 1)
-        zoom = std::clamp(std::ceil(zoom), 1.0, 12.0);
+    const double zoom = zoom_of(live, experiences);
     std::vector<cv::Mat> panels;
     for (size_t i = 0; i < matrices.size(); i++)
         panels.push_back(panel_of(matrices[i], scale, zoom, localisations[i]));

@@ -111,9 +111,9 @@ void add_info(CLI::App &app)
     CLI::App *command = app.add_subcommand("info", "Tell what experience files and maps hold");
     const auto options = std::make_shared<InfoOptions>();
     command
-        ->add_option("path", options->paths,
+        ->add_option("PATH", options->paths,
                      "experience files, or map directories, whose experiences must also compare")
-        ->type_name("PATH")
+        ->type_name("")
         ->required();
     command->add_flag("--json", options->json, "report as JSON");
     command->footer("Times are in microseconds; [a, b] are least and greatest values.\n\n"

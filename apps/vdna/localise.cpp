@@ -144,12 +144,12 @@ void add_localise(CLI::App &app)
         "Find live frames in the experiences of a map, and say how often that is right");
     const auto options = std::make_shared<LocaliseOptions>();
     command
-        ->add_option("live", options->live,
+        ->add_option("LIVE_SOURCE", options->live,
                      "folder of pictures, video file or LCM log; Recall@1 is told if it is "
                      "labelled as the map is")
-        ->type_name("LIVE_SOURCE")
+        ->type_name("")
         ->required();
-    command->add_option("map", options->map, "directory of the map")->type_name("MAP")->required();
+    command->add_option("MAP", options->map, "directory of the map")->type_name("")->required();
     command
         ->add_option("--in", options->in,
                      "experiences to localise in, each in turn and all together (default: all)")
@@ -161,7 +161,7 @@ void add_localise(CLI::App &app)
         ->add_option("--tolerance", options->tolerance,
                      "a match is good within so many places, or metres where both sides have "
                      "positions")
-        ->check(CLI::NonNegativeNumber)
+        ->check(CLI::Validator(CLI::NonNegativeNumber).description(""))
         ->type_name("T")
         ->capture_default_str();
     command

@@ -57,7 +57,8 @@ int main(int argc, char **argv)
 {
     vdna::catch_interrupts();
     CLI::App app("Onboard experience selection: make maps of recorded traversals, rank them by "
-                 "Visual DNA, localise in them");
+                 "Visual DNA, localise in them",
+                 "vdna");
     app.set_version_flag("--version", std::string("vdna ") + vdna_version());
     app.require_subcommand(0, 1);
     app.footer("vdna COMMAND --help tells more. Exit codes: 0 done, 1 the input or the system did "

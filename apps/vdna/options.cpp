@@ -18,7 +18,8 @@ void add_network_options(CLI::App &command, NetworkOptions &options,
                         default_text + ")")
         ->type_name("NAME|PATH");
     command.add_option("--threads", options.threads, "compute threads of the network")
-        ->check(CLI::Range(1, 64))
+        ->check(CLI::Range(1, 64).description(""))
+        ->type_name("1..64")
         ->capture_default_str();
 }
 
@@ -27,14 +28,14 @@ void add_source_options(CLI::App &command, SourceOptions &options)
     command
         .add_option("--rate", options.rate_hz,
                     "frames per second of pictures whose labels carry no utime")
-        ->check(CLI::PositiveNumber)
+        ->check(CLI::Validator(CLI::PositiveNumber).description(""))
         ->type_name("HZ")
         ->capture_default_str();
     command.add_option("--camera", options.camera, "camera channel of an LCM log")
         ->type_name("CHANNEL")
         ->capture_default_str();
     command.add_option("--every", options.every, "use every N-th frame only")
-        ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 32))
+        ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 32).description(""))
         ->type_name("N")
         ->capture_default_str();
     command.add_flag("--skip-bad", options.skip_bad,
@@ -59,8 +60,8 @@ void add_range_rule_option(CLI::App &command, uint32_t &rule)
     command
         .add_option("--range-rule", rule,
                     "calibrating: widen what was seen by 1.2 about its midpoint, or about zero")
-        ->transform(CLI::CheckedTransformer(rules).description("midpoint|zero"))
-        ->type_name("")
+        ->transform(CLI::CheckedTransformer(rules).description(""))
+        ->type_name("midpoint|zero")
         ->default_str(range_rules[rule]);
 }
 

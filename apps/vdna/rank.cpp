@@ -305,10 +305,10 @@ void add_rank(CLI::App &app)
         "rank", "Order experiences by the distance of their Visual DNA to a query");
     const auto options = std::make_shared<RankOptions>();
     command
-        ->add_option("paths", options->paths,
-                     "a live source (folder of pictures, video file or LCM log) and the map to "
+        ->add_option("PATH", options->paths,
+                     "LIVE_SOURCE MAP: a folder of pictures, video file or LCM log, and the map to "
                      "choose from, or experience files of which the first is the query")
-        ->type_name("LIVE_SOURCE MAP | QUERY.vdna CANDIDATE.vdna...")
+        ->type_name("")
         ->expected(2, -1)
         ->required();
     command
