@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""Compute the embeddings that the golden test expects, without a line of the project's own code.
+
+    python3 -m venv /tmp/golden && /tmp/golden/bin/pip install onnxruntime==1.28.0 numpy pillow
+    /tmp/golden/bin/python make_embeddings.py MODELS     (writes NAME.npy here)
+
+MODELS is the folder with the ONNX files. Pillow decodes, numpy resizes and normalises, the Python
+package of ONNX Runtime runs the network. The numbers of the preprocessing are written here once
+more, from the publications of the networks: read from the manifests they would prove nothing.
+
+Committed files: Python 3.11, onnxruntime 1.28.0, numpy 2.4.6, Pillow 13.0.0, on x86-64.
+Tolerance of the test: 1e-3. Runtimes and processors differ by about 1e-5. Of the mistakes it is there
+for, linear in place of area interpolation moves an embedding by 0.19, swapped channels by 1.1, a
+missing mean by 1.6.
+"""
+import pathlib
+import sys
+
+import numpy as np
+import onnxruntime
+from PIL import Image
+
+HERE = pathlib.Path(__file__).parent
+SIDE = 224
+NETWORKS = {  # mean, std; RGB in 0..1
+    "efficientnet_lite0": ([127 / 255] * 3, [128 / 255] * 3),
+    "mobilenet_v2": ([0.485, 0.456, 0.406], [0.229, 0.224, 0.225]),
+}
+
+
+def shares(source, target):
+    """[target][source]: the share of each source pixel in each target pixel, by overlap."""
+    edges = np.arange(target + 1) * source / target
+    low, high = edges[:-1, None], edges[1:, None]
+    pixel = np.arange(source)[None, :]
+    overlap = np.clip(np.minimum(high, pixel + 1) - np.maximum(low, pixel), 0, None)
+    return overlap / overlap.sum(axis=1, keepdims=True)
+
+
+def prepared(file, mean, std):
+    rgb = np.asarray(Image.open(file).convert("RGB"), dtype=np.float64)
+    height, width, _ = rgb.shape
+    resized = np.einsum("yj,xi,jic->yxc", shares(height, SIDE), shares(width, SIDE), rgb, optimize=True)
+    levels = np.rint(resized).astype(np.uint8)
+    normalised = (levels / 255.0 - np.array(mean)) / np.array(std)
+    return normalised.astype(np.float32).transpose(2, 0, 1)[None]
+
+
+if __name__ == "__main__":
+    models = pathlib.Path(sys.argv[1])
+    for name, (mean, std) in NETWORKS.items():
+        session = onnxruntime.InferenceSession(str(models / f"{name}.onnx"), providers=["CPUExecutionProvider"])
+        rows = [session.run(["embedding"], {"image": prepared(file, mean, std)})[0][0]
+                for file in sorted(HERE.glob("picture?.png"))]
+        np.save(HERE / f"{name}.npy", np.stack(rows))

@@ -1,0 +1,107 @@
+// Embeddings of the shipped networks, against numbers that another implementation computed.
+#include <cmocka.hpp>
+#include <folder.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+#include <vdna/backbone.h>
+
+// As explained in make_embeddings.py.
+static const float tolerance = 1e-3f;
+static const size_t picture_count = 4;
+
+static const std::filesystem::path here = VDNA_GOLDEN;
+static const std::filesystem::path shared = VDNA_SHARED "/models/golden";
+
+// The numbers of a NumPy file of little-endian float32: a 10-byte preface, a header, then they.
+static std::vector<float> numbers_of(const std::filesystem::path &file)
+{
+    const std::string bytes = file_bytes(file);
+    assert_true(bytes.size() > 10 && bytes.compare(0, 6, "\x93NUMPY") == 0);
+    const size_t begin =
+        10u + static_cast<unsigned char>(bytes[8]) + 256u * static_cast<unsigned char>(bytes[9]);
+    assert_true(begin < bytes.size());
+    std::vector<float> numbers((bytes.size() - begin) / sizeof(float));
+    std::memcpy(numbers.data(), bytes.data() + begin, numbers.size() * sizeof(float));
+    return numbers;
+}
+
+static vdna_backbone *open_network(const char *name)
+{
+    vdna_backbone_config config;
+    vdna_backbone_config_init(&config);
+    config.manifest = name;
+    vdna_error error;
+    vdna_backbone *backbone = nullptr;
+    if (vdna_backbone_open(&config, &error, &backbone) != VDNA_OK)
+        fail_msg("%s", error.text);
+    return backbone;
+}
+
+// The largest difference between the embedding of a picture file and `expected`.
+static float distance(vdna_backbone *backbone, const std::filesystem::path &file,
+                      const float *expected, size_t count)
+{
+    const std::string bytes = file_bytes(file);
+    const vdna_image image = {
+        reinterpret_cast<const uint8_t *>(bytes.data()), bytes.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
+    vdna_error error;
+    vdna_backbone_frame frame;
+    if (vdna_backbone_run(backbone, &image, &error, &frame) != VDNA_OK)
+        fail_msg("%s: %s", file.c_str(), error.text);
+    assert_int_equal(frame.dim, count);
+    float largest = 0.0f;
+    for (size_t i = 0; i < count; i++)
+        largest = std::fmax(largest, std::fabs(frame.embedding[i] - expected[i]));
+    return largest;
+}
+
+static void assert_reproduced(const char *name, const std::filesystem::path &numbers,
+                              const std::filesystem::path &pictures)
+{
+    vdna_backbone *backbone = open_network(name);
+    const std::vector<float> expected = numbers_of(numbers);
+    const size_t dim = expected.size() / picture_count;
+    for (size_t i = 0; i < picture_count; i++) {
+        const std::string file = pictures.string() + std::to_string(i) + ".png";
+        const float found = distance(backbone, file, &expected[i * dim], dim);
+        std::printf("%s %s: differs by up to %.2g\n", name, file.c_str(),
+                    static_cast<double>(found));
+        if (!(found <= tolerance))
+            fail_msg("%s: expected at most %g", file.c_str(), static_cast<double>(tolerance));
+    }
+    vdna_backbone_close(backbone);
+}
+
+static void drawn_pictures_give_the_embeddings_of_the_python_peer(void **)
+{
+    for (const std::string name : {"efficientnet_lite0", "mobilenet_v2"})
+        assert_reproduced(name.c_str(), here / (name + ".npy"), here / "picture");
+}
+
+static void real_pictures_give_the_embeddings_of_the_python_peer(void **)
+{
+    for (const std::string name : {"efficientnet_lite0", "mobilenet_v2"})
+        assert_reproduced(name.c_str(), shared / (name + "_embedding.npy"), shared / "g");
+}
+
+// Real pictures when called with an argument: they are not part of the project.
+int main(int argc, char **)
+{
+    const CMUnitTest drawn[] = {
+        cmocka_unit_test(drawn_pictures_give_the_embeddings_of_the_python_peer),
+    };
+    const CMUnitTest real[] = {
+        cmocka_unit_test(real_pictures_give_the_embeddings_of_the_python_peer),
+    };
+    if (argc == 1)
+        return cmocka_run_group_tests_name("golden backbone", drawn, nullptr, nullptr);
+    if (!std::filesystem::exists(shared)) {
+        std::printf("skipped: no %s\n", shared.c_str());
+        return 77;
+    }
+    return cmocka_run_group_tests_name("golden backbone, real", real, nullptr, nullptr);
+}

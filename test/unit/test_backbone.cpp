@@ -1,0 +1,424 @@
+// The C ABI of lib/backbone, with a network that can be checked by hand and with a real one.
+#include <cmocka.hpp>
+#include <folder.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <sha2.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+#include <vdna/backbone.h>
+
+using Bytes = std::vector<uint8_t>;
+
+// What makes a manifest of the tiny network (test/support/make_tiny_network.py).
+struct Recipe {
+    std::string taps = "[[taps]]\noutput = \"map\"\nlayout = \"neurons_samples\"\n";
+    std::string colour = "RGB";
+    std::string mean = "[0, 0, 0]";
+    std::string std = "[1, 1, 1]";
+    std::string embedding = "mean";
+    std::string l2_normalise = "false";
+    std::string width = "2";
+    std::string model = file_bytes(VDNA_TINY_NETWORK);
+    std::string sha256 = ""; // of `model` if empty
+};
+
+// A folder with the manifest and the model that a recipe makes.
+class TinyNetwork
+{
+  public:
+    explicit TinyNetwork(const Recipe &recipe = {})
+    {
+        folder_.write("tiny.onnx", recipe.model);
+        char sha256[SHA256_DIGEST_STRING_LENGTH];
+        SHA256Data(reinterpret_cast<const uint8_t *>(recipe.model.data()), recipe.model.size(),
+                   sha256);
+        manifest_ = folder_.write(
+            "tiny.toml", "name = \"tiny\"\nmodel = \"tiny.onnx\"\nsha256 = \"" +
+                             (recipe.sha256.empty() ? sha256 : recipe.sha256) +
+                             "\"\nsource = \"made\"\nlicence = \"MIT\"\n[input]\nname = \"image\"\n"
+                             "width = " +
+                             recipe.width + "\nheight = 2\ncolour = \"" + recipe.colour +
+                             "\"\nmean = " + recipe.mean + "\nstd = " + recipe.std +
+                             "\nresize = \"stretch\"\ninterpolation = \"area\"\n" + recipe.taps +
+                             "[embedding]\noutput = \"" + recipe.embedding +
+                             "\"\nl2_normalise = " + recipe.l2_normalise + "\n");
+    }
+
+    vdna_status open(vdna_error *error, vdna_backbone **out_backbone,
+                     const char *runtime = nullptr) const
+    {
+        vdna_backbone_config config;
+        vdna_backbone_config_init(&config);
+        config.manifest = manifest_.c_str();
+        config.runtime = runtime;
+        return vdna_backbone_open(&config, error, out_backbone);
+    }
+
+  private:
+    Folder folder_;
+    std::filesystem::path manifest_;
+};
+
+static vdna_backbone *opened(const Recipe &recipe = {})
+{
+    const TinyNetwork network(recipe);
+    vdna_error error;
+    vdna_backbone *backbone = nullptr;
+    if (network.open(&error, &backbone) != VDNA_OK)
+        fail_msg("%s", error.text);
+    return backbone;
+}
+
+// Opening what `recipe` makes fails with `status`, and the sentence holds `words`.
+static void assert_not_opened(const Recipe &recipe, vdna_status status, const std::string &words,
+                              const char *runtime = nullptr)
+{
+    const TinyNetwork network(recipe);
+    vdna_error error = {""};
+    vdna_backbone *backbone = nullptr;
+    assert_int_equal(network.open(&error, &backbone, runtime), status);
+    assert_null(backbone);
+    if (std::string(error.text).find(words) == std::string::npos)
+        fail_msg("expected: %s; found: %s", words.c_str(), error.text);
+}
+
+// 2x2 pixels of R, G, B; the network takes them as they are.
+static const uint8_t four_pixels[] = {10, 20, 30, 11, 21, 31, 12, 22, 32, 13, 23, 33};
+static const vdna_image small = {four_pixels, sizeof four_pixels, 2, 2, 0, VDNA_PIXEL_RGB3};
+
+static vdna_backbone_frame run(vdna_backbone *backbone, const vdna_image &image)
+{
+    vdna_error error;
+    vdna_backbone_frame frame = {};
+    if (vdna_backbone_run(backbone, &image, &error, &frame) != VDNA_OK)
+        fail_msg("%s", error.text);
+    return frame;
+}
+
+static void assert_values(const float *found, const std::vector<float> &expected)
+{
+    for (size_t i = 0; i < expected.size(); i++)
+        assert_float_equal(found[i], expected[i], 1e-5f);
+}
+
+// The open and one run of a process that has no file in its home directory yet.
+static int use_a_backbone_at_home(const char *home)
+{
+    for (const char *name : {"CI", "XDG_CACHE_HOME", "ORT_DISABLE_TELEMETRY"})
+        unsetenv(name);
+    setenv("HOME", home, 1);
+    vdna_backbone *backbone = opened();
+    run(backbone, small);
+    vdna_backbone_close(backbone);
+    const char *disabled = std::getenv("ORT_DISABLE_TELEMETRY");
+    return disabled && std::strcmp(disabled, "1") == 0 ? 0 : 1;
+}
+
+static void the_runtime_writes_nothing_at_home(void **)
+{
+    const Folder home;
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0)
+        _exit(use_a_backbone_at_home(home.path().c_str()));
+    int status = -1;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    assert_true(std::filesystem::is_empty(home.path()));
+}
+
+static void an_open_backbone_describes_itself(void **)
+{
+    Recipe recipe;
+    recipe.taps += "[[taps]]\noutput = \"tokens\"\nlayout = \"samples_neurons\"\n";
+    vdna_backbone *backbone = opened(recipe);
+    vdna_backbone_info info;
+    vdna_backbone_describe(backbone, &info);
+    assert_string_equal(info.name, "tiny");
+    assert_int_equal(std::strlen(info.model_sha256), 64);
+    assert_string_equal(info.preprocessing,
+                        "2x2 RGB mean=0,0,0 std=1,1,1 resize=stretch/area l2=0");
+    assert_string_equal(info.taps, "map:3:4,tokens:3:4");
+    assert_memory_equal(info.runtime, "onnxruntime 1.", 14);
+    assert_int_equal(info.tap_count, 2);
+    assert_int_equal(info.neurons, 6);
+    assert_int_equal(info.dim, 3);
+    assert_int_equal(info.input_width, 2);
+    assert_int_equal(info.input_height, 2);
+    vdna_backbone_close(backbone);
+}
+
+static void taps_have_the_layout_of_the_network(void **)
+{
+    Recipe recipe;
+    recipe.taps += "[[taps]]\noutput = \"tokens\"\nlayout = \"samples_neurons\"\n"
+                   "[[taps]]\noutput = \"mean\"\nlayout = \"samples_neurons\"\n";
+    vdna_backbone *backbone = opened(recipe);
+    const vdna_backbone_frame frame = run(backbone, small);
+    assert_int_equal(frame.tap_count, 3);
+    assert_values(frame.taps[0].values, {10, 11, 12, 13, 20, 21, 22, 23, 30, 31, 32, 33});
+    assert_values(frame.taps[1].values, {10, 20, 30, 11, 21, 31, 12, 22, 32, 13, 23, 33});
+    assert_values(frame.taps[2].values, {11.5f, 21.5f, 31.5f});
+    assert_values(frame.embedding, {11.5f, 21.5f, 31.5f});
+    assert_int_equal(frame.taps[0].layout, VDNA_LAYOUT_NEURONS_SAMPLES);
+    assert_int_equal(frame.taps[1].samples, 4);
+    assert_int_equal(frame.taps[2].samples, 1);
+    // 0.299 * 11.5 + 0.587 * 21.5 + 0.114 * 31.5
+    assert_float_equal(frame.grey, 19.65f, 1e-4f);
+    vdna_backbone_close(backbone);
+}
+
+static void mean_and_std_are_in_the_channel_order_of_the_network(void **)
+{
+    Recipe recipe;
+    recipe.colour = "BGR";
+    recipe.mean = "[30, 20, 10]";
+    recipe.std = "[0.5, 1, 2]";
+    vdna_backbone *backbone = opened(recipe);
+    assert_values(run(backbone, small).embedding, {3.0f, 1.5f, 0.75f});
+
+    // The same picture, sent in the other order.
+    Bytes swapped(four_pixels, four_pixels + sizeof four_pixels);
+    for (size_t i = 0; i < swapped.size(); i += 3)
+        std::swap(swapped[i], swapped[i + 2]);
+    const vdna_image image = {swapped.data(), swapped.size(), 2, 2, 0, VDNA_PIXEL_BGR3};
+    assert_values(run(backbone, image).embedding, {3.0f, 1.5f, 0.75f});
+    vdna_backbone_close(backbone);
+}
+
+static void a_larger_picture_is_averaged_down(void **)
+{
+    // 4x4 grey pixels, 2x2 of which make one: 0 and 100 by turns, then 200.
+    const uint8_t pixels[] = {0, 100, 200, 200, 100, 0, 200, 200, 50, 50, 8, 8, 50, 50, 8, 8};
+    const vdna_image image = {pixels, sizeof pixels, 4, 4, 0, VDNA_PIXEL_GREY};
+    vdna_backbone *backbone = opened();
+    assert_values(run(backbone, image).taps[0].values, {50, 200, 50, 8, 50, 200, 50, 8});
+    vdna_backbone_close(backbone);
+}
+
+static void l2_normalisation_concerns_the_embedding_only(void **)
+{
+    Recipe recipe;
+    recipe.taps = "[[taps]]\noutput = \"mean\"\nlayout = \"samples_neurons\"\n";
+    recipe.l2_normalise = "true";
+    recipe.mean = "[8.5, 17.5, 31.5]"; // leaves 3, 4, 0
+    vdna_backbone *backbone = opened(recipe);
+    const vdna_backbone_frame frame = run(backbone, small);
+    assert_values(frame.embedding, {0.6f, 0.8f, 0.0f});
+    assert_values(frame.taps[0].values, {3.0f, 4.0f, 0.0f});
+    vdna_backbone_info info;
+    vdna_backbone_describe(backbone, &info);
+    assert_non_null(std::strstr(info.preprocessing, "l2=1"));
+    vdna_backbone_close(backbone);
+}
+
+static void numbers_that_are_none_are_refused(void **)
+{
+    const Bytes black(12, 0);
+    const vdna_image image = {black.data(), black.size(), 2, 2, 0, VDNA_PIXEL_RGB3};
+    vdna_error error;
+    vdna_backbone_frame frame = {};
+
+    Recipe tapped; // log(0) is minus infinity
+    tapped.taps = "[[taps]]\noutput = \"logarithm\"\nlayout = \"samples_neurons\"\n";
+    vdna_backbone *backbone = opened(tapped);
+    assert_int_equal(vdna_backbone_run(backbone, &image, &error, &frame), VDNA_ERR_NONFINITE);
+    assert_null(frame.taps); // untouched
+    run(backbone, small);
+    vdna_backbone_close(backbone);
+
+    Recipe normalised; // 0 / 0
+    normalised.l2_normalise = "true";
+    backbone = opened(normalised);
+    assert_int_equal(vdna_backbone_run(backbone, &image, &error, &frame), VDNA_ERR_NONFINITE);
+    vdna_backbone_close(backbone);
+}
+
+static void a_refused_picture_leaves_the_backbone_as_it_was(void **)
+{
+    vdna_backbone *backbone = opened();
+    vdna_image cut = small;
+    cut.size--;
+    vdna_error error = {""};
+    vdna_backbone_frame frame = {};
+    assert_int_equal(vdna_backbone_run(backbone, &cut, &error, &frame), VDNA_ERR_FORMAT);
+    assert_non_null(std::strstr(error.text, "expected at least 12 bytes"));
+    assert_null(frame.embedding);
+    assert_values(run(backbone, small).embedding, {11.5f, 21.5f, 31.5f});
+    vdna_backbone_close(backbone);
+}
+
+static void a_model_other_than_the_pinned_one_is_refused(void **)
+{
+    Recipe wrong;
+    wrong.sha256 = std::string(64, '0');
+    assert_not_opened(wrong, VDNA_ERR_CHECKSUM, "the manifest expects 0000");
+
+    Recipe outside;
+    outside.model = "\x0a\x08location\x12\x0bweights.bin";
+    assert_not_opened(outside, VDNA_ERR_UNSUPPORTED, "weights in another file");
+
+    Recipe nonsense;
+    nonsense.model = "no network";
+    assert_not_opened(nonsense, VDNA_ERR_RUNTIME, "load the model");
+}
+
+static void a_model_that_does_not_fit_its_manifest_is_refused(void **)
+{
+    Recipe recipe;
+    recipe.embedding = "absent";
+    assert_not_opened(recipe, VDNA_ERR_MISMATCH,
+                      "has no output 'absent'; it has: mean, map, tokens");
+    recipe.embedding = "flat";
+    assert_not_opened(recipe, VDNA_ERR_MISMATCH, "output 'flat' has shape 12");
+    recipe.embedding = "whole";
+    assert_not_opened(recipe, VDNA_ERR_MISMATCH, "output 'whole'");
+
+    Recipe wide;
+    wide.width = "3";
+    assert_not_opened(wide, VDNA_ERR_MISMATCH,
+                      "has shape 1x3x2x2; the manifest expects floats, 1x3x2x3");
+}
+
+static void a_runtime_that_is_none_is_refused(void **)
+{
+    assert_not_opened({}, VDNA_ERR_RUNTIME, "/nowhere/libonnxruntime.so",
+                      "/nowhere/libonnxruntime.so");
+    assert_not_opened({}, VDNA_ERR_RUNTIME, "this is no ONNX Runtime", "libm.so.6");
+    setenv("VDNA_ONNXRUNTIME", "/elsewhere.so", 1);
+    assert_not_opened({}, VDNA_ERR_RUNTIME, "/elsewhere.so");
+    unsetenv("VDNA_ONNXRUNTIME");
+}
+
+static void arguments_are_checked(void **)
+{
+    vdna_backbone_config config;
+    vdna_backbone_config_init(&config);
+    assert_int_equal(config.threads, 2);
+    vdna_error error;
+    vdna_backbone *backbone = nullptr;
+    assert_int_equal(vdna_backbone_open(&config, &error, &backbone), VDNA_ERR_ARG);
+    config.manifest = "absent.toml";
+    assert_int_equal(vdna_backbone_open(&config, &error, nullptr), VDNA_ERR_ARG);
+    assert_int_equal(vdna_backbone_open(&config, &error, &backbone), VDNA_ERR_IO);
+    config.threads = 0;
+    assert_int_equal(vdna_backbone_open(&config, nullptr, &backbone), VDNA_ERR_ARG);
+    config.threads = 1;
+    config.struct_size--;
+    assert_int_equal(vdna_backbone_open(&config, &error, &backbone), VDNA_ERR_ARG);
+
+    backbone = opened();
+    vdna_backbone_frame frame;
+    assert_int_equal(vdna_backbone_run(backbone, nullptr, &error, &frame), VDNA_ERR_ARG);
+    assert_int_equal(vdna_backbone_run(backbone, &small, &error, nullptr), VDNA_ERR_ARG);
+    assert_int_equal(vdna_backbone_run(nullptr, &small, &error, &frame), VDNA_ERR_ARG);
+    vdna_backbone_cancel(nullptr);
+    vdna_backbone_close(backbone);
+    vdna_backbone_close(nullptr);
+}
+
+static vdna_backbone *opened_real(uint32_t threads)
+{
+    vdna_backbone_config config;
+    vdna_backbone_config_init(&config);
+    config.manifest = "efficientnet_lite0";
+    config.threads = threads;
+    vdna_error error;
+    vdna_backbone *backbone = nullptr;
+    if (vdna_backbone_open(&config, &error, &backbone) != VDNA_OK)
+        fail_msg("%s", error.text);
+    return backbone;
+}
+
+// A picture of its own for each `seed`.
+static Bytes noise(uint32_t seed, size_t size)
+{
+    Bytes bytes(size);
+    for (uint8_t &byte : bytes) {
+        seed = seed * 1664525u + 1013904223u;
+        byte = static_cast<uint8_t>(seed >> 24);
+    }
+    return bytes;
+}
+
+static std::vector<float> embedding_of(vdna_backbone *backbone, const Bytes &rgb)
+{
+    const vdna_image image = {rgb.data(), rgb.size(), 300, 200, 0, VDNA_PIXEL_RGB3};
+    const vdna_backbone_frame frame = run(backbone, image);
+    return {frame.embedding, frame.embedding + frame.dim};
+}
+
+static void a_picture_gives_the_same_bits_whatever_came_before(void **)
+{
+    const Bytes one = noise(1, 180000), other = noise(2, 180000);
+    vdna_backbone *backbone = opened_real(2);
+    const std::vector<float> first = embedding_of(backbone, one);
+    assert_true(embedding_of(backbone, one) == first);
+    assert_true(embedding_of(backbone, other) != first);
+    vdna_image broken = {one.data(), 5, 300, 200, 0, VDNA_PIXEL_RGB3};
+    vdna_backbone_frame frame;
+    assert_int_equal(vdna_backbone_run(backbone, &broken, nullptr, &frame), VDNA_ERR_FORMAT);
+    assert_true(embedding_of(backbone, one) == first);
+    vdna_backbone_close(backbone);
+
+    vdna_backbone *alone = opened_real(1);
+    assert_true(embedding_of(alone, one) == first);
+    vdna_backbone_close(alone);
+}
+
+static void cancel_ends_a_run_and_stays(void **)
+{
+    const Bytes rgb = noise(1, 180000);
+    const vdna_image image = {rgb.data(), rgb.size(), 300, 200, 0, VDNA_PIXEL_RGB3};
+    vdna_backbone *backbone = opened_real(2);
+    std::atomic<bool> started{false};
+    std::thread canceller([&] {
+        while (!started)
+            std::this_thread::yield();
+        vdna_backbone_cancel(backbone);
+    });
+
+    vdna_error error = {""};
+    vdna_backbone_frame frame;
+    vdna_status status = VDNA_OK;
+    for (int i = 0; i < 10000 && status == VDNA_OK; i++) {
+        started = true;
+        status = vdna_backbone_run(backbone, &image, &error, &frame);
+    }
+    canceller.join();
+    assert_int_equal(status, VDNA_ERR_RUNTIME);
+    assert_non_null(std::strstr(error.text, "cancelled"));
+    assert_int_equal(vdna_backbone_run(backbone, &image, &error, &frame), VDNA_ERR_RUNTIME);
+    assert_non_null(std::strstr(error.text, "cancelled"));
+    vdna_backbone_close(backbone);
+}
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        // First: it forks, and the runtime must not be loaded yet.
+        cmocka_unit_test(the_runtime_writes_nothing_at_home),
+        cmocka_unit_test(an_open_backbone_describes_itself),
+        cmocka_unit_test(taps_have_the_layout_of_the_network),
+        cmocka_unit_test(mean_and_std_are_in_the_channel_order_of_the_network),
+        cmocka_unit_test(a_larger_picture_is_averaged_down),
+        cmocka_unit_test(l2_normalisation_concerns_the_embedding_only),
+        cmocka_unit_test(numbers_that_are_none_are_refused),
+        cmocka_unit_test(a_refused_picture_leaves_the_backbone_as_it_was),
+        cmocka_unit_test(a_model_other_than_the_pinned_one_is_refused),
+        cmocka_unit_test(a_model_that_does_not_fit_its_manifest_is_refused),
+        cmocka_unit_test(a_runtime_that_is_none_is_refused),
+        cmocka_unit_test(arguments_are_checked),
+        cmocka_unit_test(a_picture_gives_the_same_bits_whatever_came_before),
+        cmocka_unit_test(cancel_ends_a_run_and_stays),
+    };
+    return cmocka_run_group_tests_name("backbone", tests, nullptr, nullptr);
+}

@@ -1,0 +1,187 @@
+// Manifests: what is read, and how mistakes are told.
+#include <cmocka.hpp>
+#include <folder.hpp>
+
+#include "failure.hpp"
+#include "manifest.hpp"
+#include "manifest_path.hpp"
+
+using namespace vdna;
+
+static const char *const whole = R"(name = "tiny"
+model = "networks/tiny.onnx"
+sha256 = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"
+source = "drawn by hand"
+licence = "MIT"
+[input]
+name = "image"
+width = 320
+height = 240
+colour = "BGR"
+mean = [123.675, 116.28, 0]
+std = [58.395, 57.12, 1e-1]
+resize = "stretch"
+interpolation = "cubic"
+[[taps]]
+output = "tokens"
+layout = "samples_neurons"
+[[taps]]
+output = "map"
+layout = "neurons_samples"
+[embedding]
+output = "map"
+l2_normalise = true
+)";
+
+// The text of the Failure that reading `text` as a manifest gives; its status must be `status`.
+static std::string failure_of(const std::string &text, vdna_status status = VDNA_ERR_FORMAT)
+{
+    const Folder folder;
+    try {
+        read_manifest(folder.write("m.toml", text));
+    } catch (const Failure &failure) {
+        assert_int_equal(failure.status(), status);
+        return failure.what();
+    }
+    return "accepted";
+}
+
+// Reading `text` fails in this line, for this reason.
+static void assert_refused(const std::string &text, const std::string &line,
+                           const std::string &reason)
+{
+    const std::string failure = failure_of(text);
+    if (failure.find("m.toml:" + line + ": " + reason) == std::string::npos)
+        fail_msg("expected line %s: %s; found: %s", line.c_str(), reason.c_str(), failure.c_str());
+}
+
+static void every_field_is_read(void **)
+{
+    const Folder folder;
+    const Manifest manifest = read_manifest(folder.write("m.toml", whole));
+    assert_string_equal(manifest.name.c_str(), "tiny");
+    assert_string_equal(manifest.model.c_str(), (folder.path() / "networks/tiny.onnx").c_str());
+    assert_int_equal(manifest.sha256.size(), 64);
+    assert_string_equal(manifest.input.name.c_str(), "image");
+    assert_int_equal(manifest.input.width, 320);
+    assert_int_equal(manifest.input.height, 240);
+    assert_true(manifest.input.bgr);
+    assert_true(manifest.input.mean[1] == 116.28 && manifest.input.mean[2] == 0.0);
+    assert_true(manifest.input.std[2] == 0.1);
+    assert_true(manifest.input.interpolation == Interpolation::cubic);
+    assert_int_equal(manifest.taps.size(), 2);
+    assert_string_equal(manifest.taps[1].output.c_str(), "map");
+    assert_int_equal(manifest.taps[1].layout, VDNA_LAYOUT_NEURONS_SAMPLES);
+    assert_string_equal(manifest.embedding.c_str(), "map");
+    assert_true(manifest.l2_normalise);
+}
+
+static void the_preprocessing_has_one_canonical_text(void **)
+{
+    const Folder folder;
+    const Manifest manifest = read_manifest(folder.write("m.toml", whole));
+    assert_string_equal(preprocessing_text(manifest).c_str(),
+                        "320x240 BGR mean=123.675,116.28,0 std=58.395,57.12,0.1 "
+                        "resize=stretch/cubic l2=1");
+}
+
+static void an_unknown_key_is_refused_in_every_section(void **)
+{
+    assert_refused(with(whole, "licence =", "license ="), "5", "unknown key 'license'; expected:");
+    assert_refused(with(whole, "height =", "hieght ="), "9", "unknown key 'hieght'; expected:");
+    assert_refused(with(whole, "layout =", "lay_out ="), "17", "unknown key 'lay_out'");
+    assert_refused(with(whole, "l2_normalise =", "normalise ="), "23", "unknown key 'normalise'");
+}
+
+static void a_missing_key_is_told_at_its_section(void **)
+{
+    assert_refused(with(whole, "licence = \"MIT\"", ""), "1", "'licence' is missing");
+    assert_refused(with(whole, "width = 320", ""), "6", "'width' is missing; expected a whole");
+    assert_refused(with(whole, "output = \"map\"", ""), "18", "'output' is missing");
+    assert_refused(with(whole, "l2_normalise = true", ""), "21", "'l2_normalise' is missing");
+    assert_refused(with(whole, "[input]", "[source]"), "6", "");
+}
+
+static void a_value_of_the_wrong_type_is_told_at_its_line(void **)
+{
+    assert_refused(with(whole, "width = 320", "width = \"320\""), "8", "'width' must be a whole");
+    assert_refused(with(whole, "width = 320", "width = 0"), "8", "'width' must be a whole");
+    assert_refused(with(whole, "width = 320", "width = 4097"), "8", "'width' must be a whole");
+    assert_refused(with(whole, "\"BGR\"", "\"GBR\""), "10", "'colour' is 'GBR'; expected: RGB");
+    assert_refused(with(whole, "116.28, 0]", "116.28]"), "11", "'mean' must be three numbers");
+    assert_refused(with(whole, "116.28, 0]", "nan, 0]"), "11", "'mean' must be three numbers");
+    assert_refused(with(whole, "57.12", "0"), "12", "'std' is divided by");
+    assert_refused(with(whole, "\"stretch\"", "\"crop\""), "13", "'resize' is 'crop'");
+    assert_refused(with(whole, "l2_normalise = true", "l2_normalise = 1"), "23",
+                   "'l2_normalise' must be true or false");
+    assert_refused(with(whole, "sha256 = \"0123", "sha256 = \"ABCD"), "3", "'sha256' must be 64");
+    assert_refused(with(whole, "name = \"tiny\"", "name = \"ti ny\""), "1", "'name' must be 1 to");
+    assert_refused(with(whole, "name = \"tiny\"", "name = \"\""), "1", "'name' must be a text");
+}
+
+static void taps_must_be_there_and_differ(void **)
+{
+    assert_refused(with(whole, "output = \"map\"", "output = \"tokens\""), "19",
+                   "'tokens' is tapped twice");
+    assert_refused(with(whole, "\"tokens\"", "\"to:kens\""), "16", "'output' must be a name");
+    const std::string cut(whole, std::string(whole).find("[[taps]]"));
+    assert_refused("taps = 3\n" + cut, "1", "'taps' must be one or more");
+    assert_refused(cut, "1", "'taps' is missing");
+}
+
+static void bytes_that_are_no_toml_are_told_at_their_line(void **)
+{
+    assert_refused(with(whole, "\"MIT\"", "\"MIT"), "5", "");
+    assert_refused(with(whole, "\"MIT\"", "\"\xff\""), "5", "");
+    assert_true(failure_of(std::string((1 << 16) + 1, '#')).find("65537 bytes") !=
+                std::string::npos);
+}
+
+static void what_is_no_file_cannot_be_read(void **)
+{
+    const Folder folder;
+    for (const char *name : {"", "absent.toml"})
+        try {
+            read_manifest(folder.path() / name);
+            fail_msg("'%s' was read", name);
+        } catch (const Failure &failure) {
+            assert_int_equal(failure.status(), VDNA_ERR_IO);
+        }
+}
+
+static void a_bare_name_is_looked_up_and_a_path_is_not(void **)
+{
+    const Folder folder;
+    folder.write("tiny.toml", whole);
+    folder.write("other.toml", whole);
+    setenv("VDNA_MODELS", folder.path().c_str(), 1);
+    assert_string_equal(find_manifest("tiny").c_str(), (folder.path() / "tiny.toml").c_str());
+    assert_string_equal(find_manifest("here/tiny").c_str(), "here/tiny");
+    assert_string_equal(find_manifest("tiny.toml").c_str(), "tiny.toml");
+    try {
+        find_manifest("absent");
+        fail_msg("%s", "'absent' was found");
+    } catch (const Failure &failure) {
+        const std::string text = failure.what();
+        assert_int_equal(failure.status(), VDNA_ERR_IO);
+        assert_true(text.find(folder.path().string() + " (has other, tiny)") != std::string::npos);
+        assert_true(text.find("/usr/share/vdna/models") != std::string::npos);
+    }
+    unsetenv("VDNA_MODELS");
+}
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(every_field_is_read),
+        cmocka_unit_test(the_preprocessing_has_one_canonical_text),
+        cmocka_unit_test(an_unknown_key_is_refused_in_every_section),
+        cmocka_unit_test(a_missing_key_is_told_at_its_section),
+        cmocka_unit_test(a_value_of_the_wrong_type_is_told_at_its_line),
+        cmocka_unit_test(taps_must_be_there_and_differ),
+        cmocka_unit_test(bytes_that_are_no_toml_are_told_at_their_line),
+        cmocka_unit_test(what_is_no_file_cannot_be_read),
+        cmocka_unit_test(a_bare_name_is_looked_up_and_a_path_is_not),
+    };
+    return cmocka_run_group_tests_name("manifest", tests, nullptr, nullptr);
+}
