@@ -56,7 +56,8 @@ def folded_convolutions(state, epsilon):
         # Double precision, and only operations that IEEE 754 rounds alike on every machine.
         weight, gamma, beta, mean, variance = (state[n].astype(np.float64) for n in names[i:i + 5])
         scale = gamma / np.sqrt(variance + epsilon)
-        yield (weight * scale[:, None, None, None]).astype("<f4"), (beta - mean * scale).astype("<f4")
+        weight, bias = weight * scale[:, None, None, None], beta - mean * scale
+        yield weight.astype("<f4"), bias.astype("<f4")
 
 
 class Graph:

@@ -108,24 +108,21 @@ def system_runtime():
     return None
 
 
-def runtime_library(new, scratch):
+def runtime(new, scratch):
+    """ONNX Runtime: the system's if it has one, else the library of a wheel and Debian's header."""
+    library, headers = new / "lib" / "libonnxruntime.so", new / "include"
+    library.parent.mkdir(parents=True)
+    headers.mkdir()
     system = system_runtime()
     if system:
-        print(f"using the system's {system[0]} and its headers in {system[1]}")
-        new.symlink_to(system[0])
+        print(f"using the system's {system[0]} with the headers in {system[1]}")
+        library.symlink_to(system[0])
+        for header in system[1].glob("onnxruntime*.h"):
+            Path(headers, header.name).symlink_to(header)
     else:
         wheel = download_wheel(RUNTIME, scratch)
-        new.write_bytes(the_member(wheel, r"/libonnxruntime\.so\.[0-9.]+$"))
-
-
-def runtime_headers(new, scratch):
-    new.mkdir()
-    system = system_runtime()
-    if system:
-        for header in system[1].glob("onnxruntime*.h"):
-            Path(new, header.name).symlink_to(header)
-    else:
-        Path(new, "onnxruntime_c_api.h").write_bytes(debian_header(scratch))
+        library.write_bytes(the_member(wheel, r"/libonnxruntime\.so\.[0-9.]+$"))
+        Path(headers, "onnxruntime_c_api.h").write_bytes(debian_header(scratch))
 
 
 def debian_mirrors():
@@ -146,13 +143,13 @@ def debian_header(scratch):
     Path(state, "apt.conf").write_text(
         f'Dir::State "{state}"; Dir::State::status "/dev/null"; Dir::Cache "{state}/cache";\n'
         f'Dir::Etc::sourcelist "{state}/sources.list"; Dir::Etc::sourceparts "/dev/null";\n'
-        'APT::Sandbox::User "root"; Acquire::Languages "none";\n'
+        'APT::Sandbox::User "root"; Acquire::Languages "none"; Acquire::GzipIndexes "true";\n'
         '#clear APT::Update;\n')  # the system's hooks are not for our update
-    apt = ["apt-get", "--quiet", f"--config-file={state}/apt.conf"]
-    purpose = (f"download {HEADER_PACKAGE} of Debian {HEADER_SUITE}: check the network, free disk "
-               "space and that apt has a source of Debian")
-    run([*apt, "update"], purpose)
-    run([*apt, "download", HEADER_PACKAGE], purpose, cwd=state)
+    # Only the download decides: the update also fails for an address that is not Debian's.
+    run(["sh", "-c", 'apt-get -q -c "$0" update; apt-get -q -c "$0" download "$1"',
+         state / "apt.conf", HEADER_PACKAGE],
+        f"download {HEADER_PACKAGE} of Debian {HEADER_SUITE}: check the network, free disk space "
+        "and that apt has a source of Debian", cwd=state)
     [deb] = state.glob(f"{HEADER_PACKAGE}_*.deb")
     run(["dpkg-deb", "--extract", deb, state / "package"], f"unpack {deb.name}")
     [header] = state.glob("package/usr/include/**/onnxruntime_c_api.h")
@@ -180,10 +177,15 @@ def safetensors(new, scratch):
     download_wheel(SAFETENSORS, scratch).extractall(new)
 
 
+def is_complete(target):
+    """A link into the system may have lost what it points to."""
+    return target.exists() and all(path.exists() for path in target.rglob("*"))
+
+
 def fetch(target, pin, make):
-    """Have `target` made in a scratch folder and moved into place, unless `pin` is there already."""
+    """Have `target` made in a scratch folder and moved into place, unless it is there already."""
     stamp = target.with_name(target.name + ".pin")
-    if target.exists() and stamp.exists() and stamp.read_text() == pin:
+    if stamp.exists() and stamp.read_text() == pin and is_complete(target):
         return
     print(f"fetching {target} ...", flush=True)
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -204,8 +206,7 @@ def main():
     deps = parser.parse_args().deps
 
     wanted = [
-        (deps / "onnxruntime" / "lib" / "libonnxruntime.so", RUNTIME, runtime_library),
-        (deps / "onnxruntime" / "include", HEADER_SHA256, runtime_headers),
+        (deps / "onnxruntime", f"{RUNTIME} {HEADER_SHA256}", runtime),
         (deps / "python", SAFETENSORS, safetensors),
     ]
     for name in NETWORKS:

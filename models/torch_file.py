@@ -1,8 +1,8 @@
 """Read the weights in a PyTorch file into numpy arrays, without PyTorch.
 
-Only the older of the two containers (before PyTorch 1.6) is read; the networks we fetch use it. It is
-a run of pickles (magic number, protocol, system, state dict, storage keys) and then, for each
-key, the number of elements and the raw little-endian elements.
+Only the older of the two containers (before PyTorch 1.6) is read; the networks we fetch use it. It
+is a run of pickles (magic number, protocol, system, state dict, storage keys) and then, for each
+key, the number of elements and the elements themselves, little-endian.
 
 A pickle may name any function and have it called. Here only what a state dict needs is let through.
 """
@@ -20,7 +20,7 @@ class Storage:
     """A flat array of elements; its bytes follow behind the pickles."""
 
     def __init__(self, dtype, count):
-        self.dtype, self.count, self.elements = dtype, count, b""
+        self.dtype, self.count, self.elements = dtype, count, np.empty(0, dtype)
 
 
 class Tensor:
@@ -30,10 +30,12 @@ class Tensor:
         self.storage, self.offset, self.shape, self.stride = storage, offset, shape, stride
 
     def array(self):
-        strides = [step * self.storage.dtype.itemsize for step in self.stride]
-        # numpy checks that the view stays within the storage.
-        return np.ndarray(self.shape, self.storage.dtype, self.storage.elements,
-                          self.offset * self.storage.dtype.itemsize, strides)
+        elements = self.storage.elements
+        last = self.offset + sum(step * (size - 1) for step, size in zip(self.stride, self.shape))
+        if min(self.offset, *self.stride, 0) < 0 or last >= len(elements):
+            raise ValueError(f"a tensor of shape {self.shape} reaches out of its storage")
+        strides = [step * elements.itemsize for step in self.stride]
+        return np.lib.stride_tricks.as_strided(elements[self.offset:], self.shape, strides)
 
 
 class StateDictUnpickler(pickle.Unpickler):
@@ -68,5 +70,5 @@ def read_state_dict(file):
         count = int.from_bytes(file.read(8), "little")
         if count != storage.count:
             raise ValueError(f"storage {key} has {count} elements, its tensors say {storage.count}")
-        storage.elements = file.read(count * storage.dtype.itemsize)
+        storage.elements = np.frombuffer(file.read(count * storage.dtype.itemsize), storage.dtype)
     return {name: tensor.array() for name, tensor in tensors.items()}

@@ -18,7 +18,8 @@ carry_network_settings()
 {
     cp -L /etc/resolv.conf /etc/hosts "$root/etc/"
     [ ! -f /etc/pip.conf ] || cp -L /etc/pip.conf "$root/etc/"
-    apt-config dump | grep -E '^Acquire::(https?|Check|Retries)' >"$root/etc/apt/apt.conf.d/99host" || :
+    apt-config dump | grep -E '^Acquire::(https?|Check|Retries)' \
+        >"$root/etc/apt/apt.conf.d/99host" || :
 
     # As local certificates, so that the package ca-certificates keeps them when it is installed.
     mkdir -p "$root/usr/local/share/ca-certificates"
