@@ -1,0 +1,38 @@
+// One drive along the route: where the robot is at each frame, and what its camera does.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "simulate/render.hpp"
+#include "simulate/route.hpp"
+
+namespace vdna
+{
+
+struct DriveConfig {
+    double start_m = 0;  // along the route
+    double step_m = .5;  // along the route from frame to frame, > 0
+    double rate_hz = 10; // frames per second, > 0
+    float variation = 0; // 0..1: how far this drive strays from the line, the speed, the exposure
+    uint64_t seed = 1;   // of this drive's own chance
+};
+
+class Drive
+{
+  public:
+    Drive(const Route &route, const DriveConfig &config);
+
+    Shot shot(size_t frame) const;
+    int64_t utime(size_t frame) const; // microseconds since the drive began
+
+  private:
+    Route route_;
+    DriveConfig config_;
+    double bias_m_, sway_m_; // from the route's line: constant and swinging part
+    double speed_;           // factor
+    float exposure_, drift_;
+    double phase_;
+};
+
+} // namespace vdna

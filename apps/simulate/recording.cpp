@@ -1,0 +1,157 @@
+#include "simulate/recording.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <vector>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "error.hpp"
+#include "interrupt/interrupt.hpp"
+#include "progress/progress.hpp"
+
+namespace vdna
+{
+
+namespace fs = std::filesystem;
+
+namespace
+{
+
+std::string picture_name(size_t frame)
+{
+    char name[32];
+    std::snprintf(name, sizeof name, "%06zu.jpg", frame);
+    return name;
+}
+
+void write_file(const fs::path &file, const void *data, size_t size)
+{
+    std::ofstream out(file, std::ios::binary);
+    out.write(static_cast<const char *>(data), static_cast<std::streamsize>(size));
+    out.close();
+    if (!out)
+        throw Error(file.string() + ": cannot write: " + std::strerror(errno));
+}
+
+void write_picture(const fs::path &file, const cv::Mat &picture, int quality)
+{
+    std::vector<uchar> bytes;
+    cv::imencode(file.extension().string(), picture, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+    write_file(file, bytes.data(), bytes.size());
+}
+
+// True for the names that record_drive() writes: nothing else is ever deleted.
+bool is_ours(const fs::path &entry)
+{
+    const std::string name = entry.filename().string();
+    return name == "labels.csv" ||
+           (entry.extension() == ".jpg" &&
+            entry.stem().string().find_first_not_of("0123456789") == std::string::npos);
+}
+
+// Throws unless the directory is missing, empty, or an earlier recording that may go.
+void require_replaceable(const fs::path &directory, bool force)
+{
+    if (!fs::exists(directory))
+        return;
+    if (!fs::is_directory(directory))
+        throw Error(directory.string() + ": is a file; name a new directory");
+    for (const auto &entry : fs::directory_iterator(directory)) {
+        if (!force)
+            throw Error(directory.string() +
+                        ": exists and is not empty; name a new directory, or give --force");
+        if (!is_ours(entry.path()))
+            throw Error(entry.path().string() +
+                        ": is not part of a recording; --force replaces recordings only");
+    }
+}
+
+// A directory to work in, which goes away unless it was moved to its place.
+class Workplace
+{
+  public:
+    explicit Workplace(const fs::path &target) : target_(target), partial_(target)
+    {
+        partial_ += ".partial";
+        require_replaceable(partial_, true);
+        fs::remove_all(partial_);
+        fs::create_directories(partial_);
+    }
+    ~Workplace()
+    {
+        std::error_code ignored;
+        fs::remove_all(partial_, ignored);
+    }
+    Workplace(const Workplace &) = delete;
+    Workplace &operator=(const Workplace &) = delete;
+
+    const fs::path &path() const { return partial_; }
+    void finish()
+    {
+        fs::remove_all(target_);
+        fs::rename(partial_, target_);
+    }
+
+  private:
+    fs::path target_, partial_;
+};
+
+void write_recording(const fs::path &directory, const Route &route, const Condition &condition,
+                     const Drive &drive, const RecordingConfig &config)
+{
+    const Renderer renderer(route, condition, config.size);
+    Progress bar("driving through " + condition.name, config.frames);
+    std::string labels = "file,utime,x,y\n";
+    for (size_t frame = 0; frame < config.frames; frame++) {
+        require_not_interrupted();
+        const Shot shot = drive.shot(frame);
+        const std::string name = picture_name(frame);
+        write_picture(directory / name, renderer.render(shot), config.quality);
+        char numbers[96];
+        std::snprintf(numbers, sizeof numbers, ",%lld,%.3f,%.3f\n",
+                      static_cast<long long>(drive.utime(frame)), shot.pose.x, shot.pose.y);
+        labels += name + numbers;
+        bar.advance();
+    }
+    write_file(directory / "labels.csv", labels.data(), labels.size());
+}
+
+} // namespace
+
+void record_drive(const fs::path &directory, const Route &route, const Condition &condition,
+                  const Drive &drive, const RecordingConfig &config)
+{
+    // "out/" means out.
+    const fs::path target = directory.has_filename() ? directory : directory.parent_path();
+    try {
+        require_replaceable(target, config.force);
+        Workplace work(target);
+        write_recording(work.path(), route, condition, drive, config);
+        work.finish();
+    } catch (const fs::filesystem_error &error) {
+        throw Error(error.path1().string() + ": cannot write: " + error.code().message());
+    }
+}
+
+void write_sheet(const fs::path &file, const Route &route, const DriveConfig &config, cv::Size size,
+                 size_t columns, int quality)
+{
+    if (!cv::haveImageWriter(file.string()))
+        throw Error(file.string() + ": no picture format is known by this ending; try .jpg");
+    const Drive drive(route, config);
+    const auto rows = static_cast<int>(conditions().size());
+    cv::Mat3b sheet(rows * size.height, static_cast<int>(columns) * size.width);
+    for (int row = 0; row < rows; row++) {
+        const Renderer renderer(route, conditions()[static_cast<size_t>(row)], size);
+        for (size_t column = 0; column < columns; column++) {
+            const cv::Point corner(static_cast<int>(column) * size.width, row * size.height);
+            renderer.render(drive.shot(column)).copyTo(sheet(cv::Rect(corner, size)));
+        }
+    }
+    write_picture(file, sheet, quality);
+}
+
+} // namespace vdna

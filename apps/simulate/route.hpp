@@ -1,0 +1,72 @@
+// The world of `vdna simulate`: one endless route and what stands beside it, all from a seed.
+//
+// Lengths are in metres. The world's x axis runs along the route and y to its left; a place is
+// given either in the world or by how far along the route and how far across (left) of its line.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace vdna
+{
+
+enum class Kind {
+    tree,
+    conifer,
+    bush,
+    rock,
+    bench,
+    sign,
+    lamp,
+    hedge,
+    fence,
+    wall,
+    house,
+    tower,
+};
+
+// One thing beside the route. How it is drawn in detail follows from its shape seed alone, so it
+// is the same thing in every condition.
+struct Landmark {
+    Kind kind;
+    double along;   // of its near end
+    double across;  // of its side towards the path
+    float length;   // extent along the route
+    float width;    // extent across, away from the path
+    float height;   // of the walls, if it has a roof
+    float hue;      // 0..1: which of the colours its kind may have
+    uint64_t shape; // seed of everything else
+
+    double outward(double metres) const { return across + (across < 0 ? -metres : metres); }
+};
+
+enum class Surface { asphalt, gravel, paving, earth };
+
+constexpr float path_half_width = 1.3f;
+
+class Route
+{
+  public:
+    explicit Route(uint64_t seed);
+
+    uint64_t seed() const { return seed_; }
+    cv::Point2d at(double along, double across = 0) const; // in the world
+    double slope(double along) const;                      // dy/dx of the route's line
+    Surface surface(double along) const;
+    float skyline(double azimuth) const; // elevation (tangent) of the hills in this direction
+    // What touches from..to, in the order in which it is painted: outermost rows first, and within
+    // a row the farthest first, so that the nearer hides the farther.
+    std::vector<Landmark> landmarks(double from, double to) const;
+
+  private:
+    void add_kerb(int64_t cell, std::vector<Landmark> &row) const;
+    void add_yard(int64_t cell, std::vector<Landmark> &row) const;
+    void add_backdrop(int64_t cell, std::vector<Landmark> &row) const;
+
+    uint64_t seed_;
+    double phase_[4]; // of the bends and of the hills
+};
+
+} // namespace vdna

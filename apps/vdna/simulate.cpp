@@ -1,0 +1,123 @@
+// vdna simulate - pictures of a made-up route, for trials without a robot.
+#include <cstdio>
+#include <memory>
+
+#include "commands.hpp"
+#include "error.hpp"
+#include "simulate/recording.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+struct Arguments {
+    std::string out, condition = "summer", size = "320x240";
+    uint64_t seed = 7;
+    bool sheet = false;
+    DriveConfig drive;
+    RecordingConfig recording;
+};
+
+cv::Size parse_size(const std::string &text)
+{
+    int width = 0, height = 0, end = 0;
+    if (std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &end) != 2 ||
+        static_cast<size_t>(end) != text.size() || width < 16 || height < 16 || width > 4096 ||
+        height > 4096)
+        throw Error("--size " + text +
+                        ": expected WIDTHxHEIGHT in pixels, 16..4096 each, as in "
+                        "320x240",
+                    exit_usage);
+    return {width, height};
+}
+
+void simulate(const Arguments &arguments)
+{
+    RecordingConfig recording = arguments.recording;
+    recording.size = parse_size(arguments.size);
+    const Route route(arguments.seed);
+    if (arguments.sheet) {
+        write_sheet(arguments.out, route, arguments.drive, recording.size, recording.frames,
+                    recording.quality);
+        return;
+    }
+    const float variation = arguments.drive.variation;
+    const Condition condition =
+        on_another_day(find_condition(arguments.condition), variation, arguments.drive.seed);
+    record_drive(arguments.out, route, condition, Drive(route, arguments.drive), recording);
+}
+
+std::string condition_names()
+{
+    std::string names;
+    for (const Condition &condition : conditions())
+        names += (names.empty() ? "" : ", ") + condition.name;
+    return names;
+}
+
+std::string range_text(double lo, double hi)
+{
+    char text[64];
+    std::snprintf(text, sizeof text, "%g..%g", lo, hi);
+    return text;
+}
+
+// Like CLI::Range, which lets "nan" pass.
+CLI::Validator within(double lo, double hi)
+{
+    const auto check = [lo, hi](const std::string &text) {
+        double value = 0;
+        const bool inside = CLI::detail::lexical_cast(text, value) && value >= lo && value <= hi;
+        return inside ? std::string() : text + " is not in " + range_text(lo, hi);
+    };
+    return CLI::Validator(check, range_text(lo, hi));
+}
+
+} // namespace
+
+void add_simulate(CLI::App &app)
+{
+    auto arguments = std::make_shared<Arguments>();
+    DriveConfig &drive = arguments->drive;
+    RecordingConfig &recording = arguments->recording;
+    CLI::App *command = app.add_subcommand(
+        "simulate", "Render a drive along a made-up route: pictures and labels.csv");
+    command->add_option("out", arguments->out, "directory to write")->required();
+    command->add_option("--condition", arguments->condition, "one of " + condition_names())
+        ->capture_default_str();
+    command->add_option("--seed", arguments->seed, "of the world: the same seed is the same route")
+        ->capture_default_str();
+    command->add_option("--frames", recording.frames, "pictures to render")
+        ->check(CLI::Range(size_t{1}, size_t{999999}))
+        ->capture_default_str();
+    command->add_option("--size", arguments->size, "of a picture, in pixels")
+        ->capture_default_str();
+    command->add_option("--start", drive.start_m, "metres along the route")
+        ->check(within(-1e6, 1e6))
+        ->capture_default_str();
+    command->add_option("--step", drive.step_m, "metres from frame to frame")
+        ->check(within(1e-3, 1e3))
+        ->capture_default_str();
+    command->add_option("--rate", drive.rate_hz, "frames per second, for the time stamps")
+        ->check(within(1e-3, 1e3))
+        ->capture_default_str();
+    command
+        ->add_option("--variation", drive.variation,
+                     "0..1: how far this drive strays from the condition's plain look, from the "
+                     "middle of the path and from the step")
+        ->check(within(0., 1.))
+        ->capture_default_str();
+    command->add_option("--drive", drive.seed, "seed of this drive's own chance")
+        ->capture_default_str();
+    command->add_option("--quality", recording.quality, "of the JPEG files")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
+    command->add_flag("--force", recording.force, "replace an earlier recording");
+    command->add_flag("--sheet", arguments->sheet,
+                      "write one picture file instead: a row for each condition, --frames columns");
+    command->callback([arguments] { simulate(*arguments); });
+}
+
+} // namespace vdna
