@@ -20,7 +20,7 @@ LIVE = os.path.join(WORK, "live")
 CONDITIONS = ["summer", "winter", "night"]
 FRAMES = 24   # of the live drive
 WARMUP = 12   # of them
-RATE = 10     # Hz; the network needs a tenth of that time
+RATES = (10, 5, 2)  # Hz; an idle machine manages 100
 
 
 def prepare():
@@ -43,10 +43,6 @@ def first_picture():
         return file.read()
 
 
-def play(*options):
-    vdna("play", LIVE, "--rate", RATE, *options)
-
-
 def has_answered(frames):
     """A status that has them all."""
     return lambda status: (status["received"] >= frames and status["received"] ==
@@ -59,15 +55,15 @@ class Network(unittest.TestCase):
     def drive(self, *options):
         """Everything that a fresh daemon says to the live drive.
 
-        On a busy machine it may pass over frames, as it is meant to; then they are played again.
+        On a busy machine it may pass over frames, as it is meant to; then they come again, slower.
         """
-        for _ in range(3):
+        for rate in RATES:
             with Watch() as watch, Selectord("--map", MAP, *options):
-                play("--stamp", "recorded")
+                vdna("play", LIVE, "--rate", rate, "--stamp", "recorded")
                 status = watch.wait_for("status", has_answered(FRAMES))
             if status["skipped"] == 0:
                 return watch
-        self.skipTest("this machine is too busy to process 10 frames a second")
+        raise AssertionError(f"frames were passed over even at {RATES[-1]} Hz")
 
     def test_says_what_rank_and_localise_say(self):
         said = self.drive("--warmup-frames", WARMUP)
@@ -104,11 +100,11 @@ class Network(unittest.TestCase):
 
     def test_a_reset_command_makes_it_choose_again(self):
         with Watch() as watch, Selectord("--map", MAP, "--warmup-frames", 4) as daemon:
-            play("--frames", 12)
+            vdna("play", LIVE, "--frames", 12)
             watch.wait_for("ranking")
             vdna("command", "reset")
             watch.wait_for("status", lambda status: status["state"] == "WARMUP")
-            play("--frames", 12)
+            vdna("play", LIVE, "--frames", 12)
             watch.wait_for("ranking")
             watch.wait_for("status", lambda status: status["state"] == "SELECTED")
         self.assertEqual(len(watch.of("ranking")), 2)

@@ -19,7 +19,7 @@ from selectord import Selectord, Watch, vdna, vdna_json
 REGRET_MAX = 3.0  # percent, mean over the months
 WARMUP = 42
 AFTER = 3         # frames to be localised
-RATE = 20         # Hz; the network needs a fifth of that time
+RATES = (20, 10, 4)  # Hz; an idle machine manages 100
 TOLERANCE = 64    # places
 
 PICTURES = Path(os.environ["VDNA_SHARED"]) / "data" / "planetarium_pan"
@@ -42,17 +42,16 @@ def build_map(live, months):
 def see(live, road_map):
     """What the daemon says to the first frames of a month.
 
-    On a busy machine it may pass over frames, as it is meant to; then they are played again.
+    On a busy machine it may pass over frames, as it is meant to; then they come again, slower.
     """
-    for _ in range(3):
+    for rate in RATES:
         with Watch() as watch, Selectord("--map", road_map, "--warmup-frames", WARMUP):
-            vdna("play", live, "--frames", WARMUP + AFTER, "--rate", RATE, "--stamp", "recorded")
+            vdna("play", live, "--frames", WARMUP + AFTER, "--rate", rate, "--stamp", "recorded")
             status = watch.wait_for("status", lambda s: s["received"] >= WARMUP + AFTER and
                                     s["processed"] + s["skipped"] == s["received"])
         if status["skipped"] == 0:
             return watch
-    print(f"skipped: this machine is too busy to process {RATE} frames a second")
-    sys.exit(77)
+    raise AssertionError(f"{live.name}: frames were passed over even at {RATES[-1]} Hz")
 
 
 def regret_of(choice, live, road_map):
