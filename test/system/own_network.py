@@ -1,7 +1,6 @@
-"""Runs the tests of a module one by one, each in a network namespace of its own.
-
-Real LCM over UDP multicast then meets neither other tests nor the machine's network. It needs no
-root. Where the system does not permit it, the tests are skipped (exit code 77).
+"""Network namespaces for tests: real LCM over UDP multicast, met by neither other tests nor the
+machine's network. It needs no root; where the system does not permit it, the tests are skipped
+(exit code 77).
 """
 import os
 import subprocess
@@ -16,13 +15,28 @@ def _in_own_network(command):
     return ["unshare", "-rn", "sh", "-c", _SET_UP, "sh", *command]
 
 
-def _refusal():
-    """Why no namespace can be made; "" if one can."""
+def _require_permission():
+    """Exits with 77 if no namespace can be made."""
+    os.environ["PATH"] += ":/usr/sbin:/sbin"  # `ip` is not on every user's path
     try:
         result = subprocess.run(_in_own_network(["true"]), capture_output=True, text=True)
+        refusal = result.stderr.strip() if result.returncode != 0 else ""
     except FileNotFoundError as error:
-        return str(error)
-    return result.stderr.strip() if result.returncode != 0 else ""
+        refusal = str(error)
+    if refusal:
+        print(f"skipped: no network namespace here: {refusal}")
+        sys.exit(77)
+
+
+def enter():
+    """Begin the script anew in a namespace of its own, unless it is in one."""
+    if os.environ.get(_INSIDE):
+        return
+    _require_permission()
+    os.environ[_INSIDE] = "1"
+    command = _in_own_network([sys.executable, *sys.argv])
+    sys.stdout.flush()
+    os.execvp(command[0], command)
 
 
 def _test_ids(suite):
@@ -33,24 +47,22 @@ def _test_ids(suite):
             yield entry.id().removeprefix("__main__.")
 
 
-def main(prepare):
-    """Run the tests of the module that calls this. `prepare` makes what they share, once."""
+def run_tests_apart(prepare):
+    """Run the tests of the calling script, each in a namespace of its own; those that are named on
+    the command line, or else all. `prepare` makes what they share, once."""
     if os.environ.get(_INSIDE):
         unittest.main()
-    # `ip` is not on every user's path.
-    os.environ["PATH"] += ":/usr/sbin:/sbin"
-    refusal = _refusal()
-    if refusal:
-        print(f"skipped: no network namespace here: {refusal}")
-        sys.exit(77)
+    _require_permission()
     prepare()
+    script = os.path.abspath(sys.argv[0])
     names = sys.argv[1:] or list(
         _test_ids(unittest.defaultTestLoader.loadTestsFromModule(sys.modules["__main__"])))
-    script = os.path.abspath(sys.modules["__main__"].__file__)
     failed = [name for name in names if subprocess.run(
         _in_own_network([sys.executable, script, "-v", name]),
         env={**os.environ, _INSIDE: "1"}).returncode != 0]
+    settings = " ".join(f"{name}={value}" for name, value in os.environ.items()
+                        if name.startswith("VDNA_"))
     for name in failed:
-        print(f"FAILED {name}; run it again with: {sys.executable} {script} {name}")
+        print(f"FAILED {name}; run it again with: {settings} {sys.executable} {script} {name}")
     print(f"{len(names) - len(failed)} of {len(names)} passed")
     sys.exit(1 if failed else 0)

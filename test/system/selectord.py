@@ -12,7 +12,9 @@ import subprocess
 import threading
 import time
 
-BIN = os.environ.get("VDNA_BIN", "")
+BIN = os.environ["VDNA_BIN"]
+# LCM's own default network is that of the namespace.
+os.environ.pop("LCM_DEFAULT_URL", None)
 PATIENCE = 60  # seconds for what takes far less on an idle machine
 
 
@@ -42,12 +44,19 @@ class _Lines:
 
     def __init__(self, pipe):
         self._queue = queue.Queue()
-        threading.Thread(target=self._read, args=(pipe,), daemon=True).start()
+        self._thread = threading.Thread(target=self._read, args=(pipe,), daemon=True)
+        self._thread.start()
 
     def _read(self, pipe):
-        for line in pipe:
-            self._queue.put(line)
+        with pipe:
+            for line in pipe:
+                self._queue.put(line)
         self._queue.put(None)
+
+    def rest(self):
+        """All lines not taken yet, once the other end is closed."""
+        self._thread.join()
+        return [line for line in self._queue.queue if line is not None]
 
     def next(self, deadline):
         """The next line; None at the end or past the deadline (time.monotonic())."""
@@ -64,24 +73,20 @@ class Selectord:
         self._process = subprocess.Popen(
             [os.path.join(BIN, "vdna_selectord"), *map(str, options)],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.log = []
-        threading.Thread(target=self._keep_log, daemon=True).start()
-        self.ready = _Lines(self._process.stdout).next(time.monotonic() + PATIENCE)
-        if not self.ready:
-            self._process.kill()
+        self._output, self._errors = _Lines(self._process.stdout), _Lines(self._process.stderr)
+        self.log = []  # its standard error, once it has ended
+        if not self._output.next(time.monotonic() + PATIENCE):
+            self.__exit__()
             raise AssertionError(f"the daemon was never READY: {self.log}")
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        if self._process.poll() is None:
-            self._process.kill()
+        self._process.kill()
         self._process.wait()
-
-    def _keep_log(self):
-        for line in self._process.stderr:
-            self.log.append(line)
+        self._output.rest()
+        self.log += self._errors.rest()
 
     def is_running(self):
         return self._process.poll() is None
@@ -100,10 +105,11 @@ class Watch:
     def __init__(self):
         self._process = subprocess.Popen([os.path.join(BIN, "vdna"), "watch", "--json"],
                                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self._lines = _Lines(self._process.stdout)
+        self._lines, self._errors = _Lines(self._process.stdout), _Lines(self._process.stderr)
         self.messages = []
-        listening = _Lines(self._process.stderr).next(time.monotonic() + PATIENCE)
+        listening = self._errors.next(time.monotonic() + PATIENCE)
         if not listening or "listening" not in listening:
+            self.__exit__()
             raise AssertionError(f"vdna watch does not listen: {listening}")
 
     def __enter__(self):
@@ -112,6 +118,8 @@ class Watch:
     def __exit__(self, *_):
         self._process.kill()
         self._process.wait()
+        self._lines.rest()
+        self._errors.rest()
 
     def wait_for(self, kind, accept=lambda message: True, seconds=PATIENCE):
         """The next message of this type that is accepted. All that come meanwhile are kept."""

@@ -20,7 +20,7 @@ LIVE = os.path.join(WORK, "live")
 CONDITIONS = ["summer", "winter", "night"]
 FRAMES = 24   # of the live drive
 WARMUP = 12   # of them
-RATE = 10     # Hz; the network needs a tenth of that time
+RATES = (10, 5, 2)  # Hz; an idle machine manages 100
 
 
 def prepare():
@@ -32,7 +32,8 @@ def prepare():
     for drive, condition in zip(drives, CONDITIONS):
         vdna("simulate", drive, "--condition", condition, "--frames", 40)
     vdna("build", MAP, *drives)
-    vdna("simulate", LIVE + ".part", "--condition", "winter", "--frames", FRAMES, "--seed", 7)
+    vdna("simulate", LIVE + ".part", "--condition", "winter", "--frames", FRAMES,
+         "--drive", 7, "--variation", 0.5)
     os.rename(LIVE + ".part", LIVE)
 
 
@@ -40,10 +41,6 @@ def first_picture():
     name = sorted(name for name in os.listdir(LIVE) if name.endswith(".jpg"))[0]
     with open(os.path.join(LIVE, name), "rb") as file:
         return file.read()
-
-
-def play(*options):
-    vdna("play", LIVE, "--rate", RATE, *options)
 
 
 def has_answered(frames):
@@ -58,15 +55,15 @@ class Network(unittest.TestCase):
     def drive(self, *options):
         """Everything that a fresh daemon says to the live drive.
 
-        On a busy machine it may pass over frames, as it is meant to; then they are played again.
+        On a busy machine it may pass over frames, as it is meant to; then they come again, slower.
         """
-        for _ in range(3):
+        for rate in RATES:
             with Watch() as watch, Selectord("--map", MAP, *options):
-                play("--stamp", "recorded")
+                vdna("play", LIVE, "--rate", rate, "--stamp", "recorded")
                 status = watch.wait_for("status", has_answered(FRAMES))
             if status["skipped"] == 0:
                 return watch
-        self.skipTest("this machine is too busy to process 10 frames a second")
+        raise AssertionError(f"frames were passed over even at {RATES[-1]} Hz")
 
     def test_says_what_rank_and_localise_say(self):
         said = self.drive("--warmup-frames", WARMUP)
@@ -103,11 +100,11 @@ class Network(unittest.TestCase):
 
     def test_a_reset_command_makes_it_choose_again(self):
         with Watch() as watch, Selectord("--map", MAP, "--warmup-frames", 4) as daemon:
-            play("--frames", 12)
+            vdna("play", LIVE, "--frames", 12)
             watch.wait_for("ranking")
             vdna("command", "reset")
             watch.wait_for("status", lambda status: status["state"] == "WARMUP")
-            play("--frames", 12)
+            vdna("play", LIVE, "--frames", 12)
             watch.wait_for("ranking")
             watch.wait_for("status", lambda status: status["state"] == "SELECTED")
         self.assertEqual(len(watch.of("ranking")), 2)
@@ -123,7 +120,8 @@ class Network(unittest.TestCase):
             good[:32] + b"\0\0\0\0" + good[36:],          # pixel format 0
         ]
         not_lcm = [b"", b"LC", b"LC02", b"LC02\0\0\0\0", b"LC02\0\0\0\0CAMERA", b"\xff" * 1400,
-                   b"LC03" + b"\0" * 4, b"LC03" + b"\0" * 16]
+                   b"LC03" + b"\0" * 4, b"LC03" + b"\0" * 16,
+                   b"LC03" + b"\0" * 6 + b"\1\0" + b"\xff" * 4 + b"\0\1\0\2" + b"x" * 20]
         with Watch() as watch, Camera() as camera, \
                 Selectord("--map", MAP, "--warmup-frames", 4) as daemon:
             for data in not_lcm:
@@ -167,7 +165,7 @@ class Network(unittest.TestCase):
             first = watch.wait_for("status")
             watch.collect(4.5)
             self.assertTrue(daemon.is_running())
-        self.assertIn(len(watch.of("status")) - 1, (4, 5))
+        self.assertIn(len(watch.of("status")) - 1, (3, 4, 5))
         self.assertEqual((first["state"], first["progress"], first["experience"]),
                          ("WARMUP", 0, ""))
         self.assertEqual((first["experiences"], first["backbone"], first["message"]),
@@ -297,4 +295,4 @@ class CommandLine(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    own_network.main(prepare)
+    own_network.run_tests_apart(prepare)
