@@ -1,6 +1,6 @@
 #!/bin/sh
 # What a newcomer does: on a bare Debian 12 that has git and nothing else of ours, clone the project
-# and run ./dev. Not part of ./dev test: it needs root, debootstrap, the network and about 3 GB.
+# and run ./dev. Not part of ./dev test: it needs root, debootstrap, the network and about 2 GB.
 set -eu
 
 usage="usage: test/install/newcomer.sh DIR [COMMAND [ARG...]]
