@@ -99,8 +99,9 @@ Handle<OrtSession> Session::make_session(const std::string &model, uint32_t thre
     // Waiting threads would otherwise burn the cores that the robot needs for something else.
     set(api_.AddSessionConfigEntry(options, "session.intra_op.allow_spinning", "0"));
     set(api_.AddSessionConfigEntry(options, "session.inter_op.allow_spinning", "0"));
-    // The arena keeps the largest block it ever needed, in powers of two.
-    set(api_.DisableCpuMemArena(options));
+    // The arena is for what a run needs, so that memory is flat from the first run on; weights,
+    // which it would round up to a power of two, are kept outside.
+    set(api_.AddSessionConfigEntry(options, "session.use_device_allocator_for_initializers", "1"));
 
     OrtSession *session = nullptr;
     runtime_.require(

@@ -1,0 +1,83 @@
+// Any bytes as a picture of any format: decoded, or refused with a Failure; nothing else.
+//
+// The first 13 bytes are the fields of vdna_image (pixel format, width, height, row stride); the
+// rest is its data.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <iterator>
+#include <vector>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "decode.hpp"
+#include "failure.hpp"
+
+namespace
+{
+
+const uint32_t formats[] = {
+    VDNA_PIXEL_ENCODED, VDNA_PIXEL_MJPG, VDNA_FOURCC('Y', 'V', '1', '2'),
+    VDNA_PIXEL_GREY,    VDNA_PIXEL_RGB3, VDNA_PIXEL_BGR3,
+    VDNA_PIXEL_RGB4,    VDNA_PIXEL_BGR4, VDNA_PIXEL_YUYV,
+    VDNA_PIXEL_UYVY,    VDNA_PIXEL_I420, VDNA_PIXEL_YU12,
+    VDNA_PIXEL_NV12,
+};
+const char *const encodings[] = {".jpg", ".png", ".webp", ".bmp", ".ppm", ".tiff"};
+
+constexpr size_t head_size = 13;
+constexpr size_t first_raw = 3; // of `formats`
+constexpr size_t seeds = std::size(encodings) + std::size(formats) - first_raw;
+constexpr uint32_t side = 8;
+
+// One seed per encoding, then one per raw format.
+std::vector<uint8_t> seed_of(size_t index)
+{
+    std::vector<uint8_t> seed(head_size);
+    std::memcpy(&seed[1], &side, sizeof side);
+    std::memcpy(&seed[5], &side, sizeof side);
+    std::vector<uint8_t> bytes(size_t{side} * side * 4, 128); // enough for the widest format
+    if (index < std::size(encodings))
+        cv::imencode(encodings[index], cv::Mat(side, side, CV_8UC3, cv::Scalar(10, 100, 200)),
+                     bytes);
+    else
+        seed[0] = static_cast<uint8_t>(index - std::size(encodings) + first_raw);
+    seed.insert(seed.end(), bytes.begin(), bytes.end());
+    return seed;
+}
+
+} // namespace
+
+extern "C" size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
+{
+    if (index >= seeds)
+        return 0;
+    const std::vector<uint8_t> seed = seed_of(index);
+    if (seed.size() > capacity)
+        return 0;
+    std::memcpy(out, seed.data(), seed.size());
+    return seed.size();
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (size < head_size)
+        return 0;
+    vdna_image image = {data + head_size, size - head_size, 0, 0, 0, 0};
+    image.pixelformat = formats[data[0] % std::size(formats)];
+    std::memcpy(&image.width, data + 1, sizeof image.width);
+    std::memcpy(&image.height, data + 5, sizeof image.height);
+    std::memcpy(&image.row_stride, data + 9, sizeof image.row_stride);
+
+    vdna::Decoder decoder;
+    try {
+        const vdna::Picture picture = decoder.decode(image);
+        const float grey = vdna::mean_grey(picture);
+        if (picture.pixels.empty() || !(grey >= 0.0f && grey <= 255.0f))
+            std::abort();
+    } catch (const vdna::Failure &) {
+    } catch (const cv::Exception &) {
+    }
+    return 0;
+}
