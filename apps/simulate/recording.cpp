@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "error.hpp"
 #include "interrupt/interrupt.hpp"
@@ -99,6 +100,15 @@ class Workplace
     fs::path target_, partial_;
 };
 
+// In the left corner above `bottom`, readable on any ground.
+void write_name(cv::Mat3b &sheet, const std::string &name, int bottom)
+{
+    const cv::Point corner(5, bottom - 6);
+    cv::putText(sheet, name, corner, cv::FONT_HERSHEY_SIMPLEX, .45, {0, 0, 0}, 3, cv::LINE_AA);
+    cv::putText(sheet, name, corner, cv::FONT_HERSHEY_SIMPLEX, .45, {255, 255, 255}, 1,
+                cv::LINE_AA);
+}
+
 void write_recording(const fs::path &directory, const Route &route, const Condition &condition,
                      const Drive &drive, const RecordingConfig &config)
 {
@@ -145,11 +155,13 @@ void write_sheet(const fs::path &file, const Route &route, const DriveConfig &co
     const auto rows = static_cast<int>(conditions().size());
     cv::Mat3b sheet(rows * size.height, static_cast<int>(columns) * size.width);
     for (int row = 0; row < rows; row++) {
-        const Renderer renderer(route, conditions()[static_cast<size_t>(row)], size);
+        const Condition &condition = conditions()[static_cast<size_t>(row)];
+        const Renderer renderer(route, condition, size);
         for (size_t column = 0; column < columns; column++) {
             const cv::Point corner(static_cast<int>(column) * size.width, row * size.height);
             renderer.render(drive.shot(column)).copyTo(sheet(cv::Rect(corner, size)));
         }
+        write_name(sheet, condition.name, (row + 1) * size.height);
     }
     write_picture(file, sheet, quality);
 }

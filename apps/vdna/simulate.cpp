@@ -57,66 +57,86 @@ std::string condition_names()
     return names;
 }
 
-std::string range_text(double lo, double hi)
-{
-    char text[64];
-    std::snprintf(text, sizeof text, "%g..%g", lo, hi);
-    return text;
-}
-
 // Like CLI::Range, which lets "nan" pass.
 CLI::Validator within(double lo, double hi)
 {
-    const auto check = [lo, hi](const std::string &text) {
+    const auto check = [lo, hi](const std::string &text) -> std::string {
         double value = 0;
-        const bool inside = CLI::detail::lexical_cast(text, value) && value >= lo && value <= hi;
-        return inside ? std::string() : text + " is not in " + range_text(lo, hi);
+        if (CLI::detail::lexical_cast(text, value) && value >= lo && value <= hi)
+            return "";
+        char range[64];
+        std::snprintf(range, sizeof range, " is not in %g..%g", lo, hi);
+        return text + range;
     };
-    return CLI::Validator(check, range_text(lo, hi));
+    return CLI::Validator(check, "");
+}
+
+void add_drive_options(CLI::App &command, DriveConfig &drive)
+{
+    command.add_option("--start", drive.start_m, "where the drive begins, metres along the route")
+        ->check(within(-1e6, 1e6))
+        ->type_name("M")
+        ->capture_default_str();
+    command.add_option("--step", drive.step_m, "metres from frame to frame")
+        ->check(within(1e-3, 1e3))
+        ->type_name("M")
+        ->capture_default_str();
+    command.add_option("--rate", drive.rate_hz, "frames per second, for the time stamps")
+        ->check(within(1e-3, 1e3))
+        ->type_name("HZ")
+        ->capture_default_str();
+    command
+        .add_option("--variation", drive.variation,
+                    "how far this drive strays from the condition's plain look, from the middle "
+                    "of the path and from the step")
+        ->check(within(0, 1))
+        ->type_name("0..1")
+        ->capture_default_str();
+    command.add_option("--drive", drive.seed, "seed of this drive's own chance")
+        ->type_name("N")
+        ->capture_default_str();
+}
+
+void add_picture_options(CLI::App &command, Arguments &arguments)
+{
+    command.add_option("--condition", arguments.condition, "one of " + condition_names())
+        ->type_name("NAME")
+        ->capture_default_str();
+    command.add_option("--seed", arguments.seed, "of the world: the same seed is the same route")
+        ->type_name("N")
+        ->capture_default_str();
+    command.add_option("--frames", arguments.recording.frames, "pictures to render")
+        ->check(CLI::Range(size_t{1}, size_t{999999}).description(""))
+        ->type_name("N")
+        ->capture_default_str();
+    command.add_option("--size", arguments.size, "of a picture, in pixels")
+        ->type_name("WxH")
+        ->capture_default_str();
+    command.add_option("--quality", arguments.recording.quality, "of the JPEG files")
+        ->check(CLI::Range(1, 100).description(""))
+        ->type_name("1..100")
+        ->capture_default_str();
 }
 
 } // namespace
 
 void add_simulate(CLI::App &app)
 {
-    auto arguments = std::make_shared<Arguments>();
-    DriveConfig &drive = arguments->drive;
-    RecordingConfig &recording = arguments->recording;
+    const auto arguments = std::make_shared<Arguments>();
     CLI::App *command = app.add_subcommand(
         "simulate", "Render a drive along a made-up route: pictures and labels.csv");
-    command->add_option("out", arguments->out, "directory to write")->required();
-    command->add_option("--condition", arguments->condition, "one of " + condition_names())
-        ->capture_default_str();
-    command->add_option("--seed", arguments->seed, "of the world: the same seed is the same route")
-        ->capture_default_str();
-    command->add_option("--frames", recording.frames, "pictures to render")
-        ->check(CLI::Range(size_t{1}, size_t{999999}))
-        ->capture_default_str();
-    command->add_option("--size", arguments->size, "of a picture, in pixels")
-        ->capture_default_str();
-    command->add_option("--start", drive.start_m, "metres along the route")
-        ->check(within(-1e6, 1e6))
-        ->capture_default_str();
-    command->add_option("--step", drive.step_m, "metres from frame to frame")
-        ->check(within(1e-3, 1e3))
-        ->capture_default_str();
-    command->add_option("--rate", drive.rate_hz, "frames per second, for the time stamps")
-        ->check(within(1e-3, 1e3))
-        ->capture_default_str();
-    command
-        ->add_option("--variation", drive.variation,
-                     "0..1: how far this drive strays from the condition's plain look, from the "
-                     "middle of the path and from the step")
-        ->check(within(0., 1.))
-        ->capture_default_str();
-    command->add_option("--drive", drive.seed, "seed of this drive's own chance")
-        ->capture_default_str();
-    command->add_option("--quality", recording.quality, "of the JPEG files")
-        ->check(CLI::Range(1, 100))
-        ->capture_default_str();
-    command->add_flag("--force", recording.force, "replace an earlier recording");
+    command->add_option("OUT", arguments->out, "directory to write")->type_name("")->required();
+    add_picture_options(*command, *arguments);
+    add_drive_options(*command, arguments->drive);
+    command->add_flag("--force", arguments->recording.force, "replace an earlier recording");
     command->add_flag("--sheet", arguments->sheet,
-                      "write one picture file instead: a row for each condition, --frames columns");
+                      "write one picture file instead: a row for each condition, and --frames "
+                      "places in columns");
+    command->footer("Examples:\n"
+                    "  vdna simulate winter/ --condition winter\n"
+                    "  vdna simulate live/ --condition spring --variation 0.6 --drive 2\n"
+                    "  vdna simulate docs/conditions.jpg --sheet --frames 5 --start 12 --step 31 "
+                    "--size 160x120 --quality 80");
     command->callback([arguments] { simulate(*arguments); });
 }
 

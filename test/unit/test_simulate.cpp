@@ -249,6 +249,22 @@ static void a_directory_in_use_is_not_overwritten(void **)
     assert_int_equal(scratch.entries(), 1);
 }
 
+static void a_sheet_has_a_row_for_each_condition_and_a_known_format(void **)
+{
+    const Scratch scratch;
+    write_sheet(scratch / "sheet.png", Route(7), {}, small, 2, 90);
+    const cv::Mat sheet = cv::imread(scratch / "sheet.png");
+    assert_int_equal(sheet.cols, 2 * small.width);
+    assert_int_equal(sheet.rows, static_cast<int>(conditions().size()) * small.height);
+    try {
+        write_sheet(scratch / "sheet.doc", Route(7), {}, small, 2, 90);
+        fail();
+    } catch (const Error &error) {
+        assert_non_null(std::strstr(error.what(), "sheet.doc: no picture format"));
+    }
+    assert_int_equal(scratch.entries(), 1);
+}
+
 // Last, because a signal is remembered for good.
 static void an_interrupted_drive_leaves_nothing_behind(void **)
 {
@@ -272,6 +288,7 @@ int main()
         cmocka_unit_test(a_drive_without_variation_keeps_to_the_line_and_the_look),
         cmocka_unit_test(an_unknown_condition_is_refused_with_the_known_ones),
         cmocka_unit_test(a_directory_in_use_is_not_overwritten),
+        cmocka_unit_test(a_sheet_has_a_row_for_each_condition_and_a_known_format),
         cmocka_unit_test(an_interrupted_drive_leaves_nothing_behind),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

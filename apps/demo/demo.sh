@@ -1,0 +1,133 @@
+#!/bin/sh
+# The whole thing at work, as `./dev demo` runs it from the source root after the build: record a
+# route three times, make a map, drive again in another season, and watch the daemon choose.
+set -eu
+
+demo=build/demo
+warmup=40
+frames=150
+rate=15 # pictures per second, played as a camera would send them
+url=udpm://239.255.76.67:7671?ttl=0
+join='ip link set lo up && ip route add 224.0.0.0/4 dev lo'
+pids=
+
+say()
+{
+    printf '\n== %s\n\n' "$*"
+}
+
+die()
+{
+    echo "demo: $*" >&2
+    exit 1
+}
+
+vdna()
+{
+    build/bin/vdna "$@"
+}
+
+# Whatever happens, no daemon is left behind.
+clean_up()
+{
+    for pid in $pids; do
+        kill "$pid" 2>/dev/null || :
+    done
+}
+trap clean_up EXIT
+trap 'exit 130' INT TERM
+
+# LCM is multicast. A network namespace of our own has it without asking anybody; where the system
+# refuses one, its own network will do, and ttl=0 keeps every message on this machine.
+find_network()
+{
+    [ -z "${VDNA_DEMO_NETWORK:-}" ] || return 0
+    export VDNA_DEMO_NETWORK=own
+    if unshare -rn sh -c "$join" 2>/dev/null; then
+        exec unshare -rn sh -c "$join"' && exec "$0" "$@"' "$0" "$@"
+    fi
+    ip route get 239.255.76.67 >/dev/null 2>&1 || die "this machine has no route for multicast," \
+        "which LCM needs; as root, run: $join"
+}
+
+# record NAME CONDITION ARG...
+record()
+{
+    name=$1
+    condition=$2
+    shift 2
+    echo "$demo/$name"
+    vdna simulate "$demo/$name" --condition "$condition" --frames "$frames" --step 1 "$@"
+}
+
+start_daemon()
+{
+    build/bin/vdna_selectord --map $demo/map --warmup-frames $warmup -l "$url" \
+        >$demo/selectord.out 2>$demo/selectord.log &
+    daemon=$!
+    pids="$pids $daemon"
+    tries=150
+    until grep -q '^vdna_selectord: READY' $demo/selectord.out; do
+        tries=$((tries - 1))
+        if ! kill -0 $daemon 2>/dev/null || [ $tries -eq 0 ]; then
+            cat $demo/selectord.log >&2
+            die "the daemon did not become ready; its words are above"
+        fi
+        sleep 0.2
+    done
+    cat $demo/selectord.out
+}
+
+stop_daemon()
+{
+    kill -TERM $daemon
+    status=0
+    wait $daemon || status=$?
+    pids=
+    [ $status -eq 0 ] || die "the daemon ended with exit code $status; see $demo/selectord.log"
+}
+
+drive()
+{
+    vdna watch -l "$url" --summary --for $((frames / rate + 4)) &
+    watch=$!
+    pids="$pids $watch"
+    sleep 1 # what is sent before the watcher listens, it does not see
+    vdna play $demo/live --rate $rate -l "$url"
+    wait $watch
+}
+
+[ -x build/bin/vdna ] && [ -x build/bin/vdna_selectord ] || die "run ./dev demo, which builds first"
+find_network "$@"
+rm -rf $demo
+mkdir -p $demo
+
+say "1. One route, driven in summer, in winter and at night (rendered)"
+for condition in summer winter night; do
+    record $condition $condition
+done
+
+say "2. A map of it: one Visual DNA per traversal"
+vdna build $demo/map $demo/summer $demo/winter $demo/night
+
+say "3. The same route on a spring day, which the map has never seen"
+record live spring --start 2 --variation 0.7 --drive 12
+
+say "4. The daemon hears the camera, warms up for $warmup frames, and chooses"
+start_daemon
+drive
+stop_daemon
+
+say "5. Was it right? Every candidate, against the true positions"
+vdna localise $demo/live $demo/map --skip $warmup --tolerance 2.5 --matrix $demo/matrices.png
+
+say "That was it"
+cat <<END
+The ranking came from appearance alone. It is right if its order is that of Recall@1 in 5.
+Pictures: $demo/{summer,winter,night,live}   map: $demo/map   difference matrices: $demo/matrices.png
+
+Now with your own pictures or videos, one folder or file per traversal:
+    build/bin/vdna build MAP TRAVERSAL...
+    build/bin/vdna rank LIVE MAP --warmup 100
+    build/bin/vdna_selectord --map MAP --warmup-frames 100
+END
