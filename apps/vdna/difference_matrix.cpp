@@ -99,7 +99,8 @@ double zoom_of(const Recording &live, const std::vector<const vdna_experience *>
     uint32_t longest = live.frames;
     for (const vdna_experience *experience : experiences)
         longest = std::max(longest, experience->frames);
-    const double zoom = double(std::clamp(longest, side_min, side_max)) / longest;
+    const double side = std::clamp(longest, side_min, side_max);
+    const double zoom = side / longest;
     return zoom > 1 ? std::ceil(zoom) : zoom;
 }
 

@@ -1,0 +1,568 @@
+"""The vdna program from outside: build, calibrate, info, rank, localise, and how they refuse.
+
+Pictures are made here, experience files are read here (docs/SPEC-map.md), and counts and distances
+are computed again in plain Python, so nothing is compared with itself.
+"""
+
+import json
+import math
+import os
+import random
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+VDNA = Path(os.environ["VDNA_BIN"]) / "vdna"
+
+
+def write_picture(path, seed, width=48, height=32):
+    """A binary PPM of coloured rectangles."""
+    chance = random.Random(seed)
+    pixels = bytearray(bytes(chance.randrange(256) for _ in range(3)) * (width * height))
+    for _ in range(6):
+        colour = bytes(chance.randrange(256) for _ in range(3))
+        left, top = chance.randrange(width - 8), chance.randrange(height - 8)
+        span = chance.randrange(4, width - left)
+        for y in range(top, chance.randrange(top + 4, height)):
+            begin = 3 * (y * width + left)
+            pixels[begin:begin + 3 * span] = colour * span
+    path.write_bytes(b"P6\n%d %d\n255\n" % (width, height) + pixels)
+
+
+class Experience:
+    """An experience file, taken apart by the safetensors layout alone."""
+
+    FORMATS = {"U32": "I", "F32": "f", "F64": "d", "I64": "q"}
+
+    def __init__(self, path):
+        data = Path(path).read_bytes()
+        size = struct.unpack_from("<Q", data)[0]
+        header = json.loads(data[8:8 + size])
+        self.metadata = header.pop("__metadata__")
+        self.tensors = {}
+        for name, tensor in header.items():
+            begin, end = tensor["data_offsets"]
+            numbers = struct.iter_unpack("<" + self.FORMATS[tensor["dtype"]],
+                                         data[8 + size + begin:8 + size + end])
+            self.tensors[name] = [number for (number,) in numbers]
+        self.bins, self.neurons = header["counts"]["shape"]
+        self.frames, self.dim = header["embeddings"]["shape"]
+
+    def row(self, neuron):
+        """The counts of one neuron."""
+        return self.tensors["counts"][neuron::self.neurons]
+
+    def recount(self, neuron):
+        """The same from the embeddings, which are the activations of the default backbone."""
+        lo, hi = self.tensors["range"][2 * neuron:2 * neuron + 2]
+        mid, half = (lo + hi) / 2, (hi - lo) / 2
+        counts = [0] * self.bins
+        for value in self.tensors["embeddings"][neuron::self.dim]:
+            x = min(max((value - mid) / half, -1.0), 1.0)
+            counts[min(self.bins - 1, math.floor((x + 1) * self.bins / 2))] += 1
+        return counts
+
+
+def distance(p, q):
+    """Mean Earth Mover's Distance in bins, summed in integers."""
+    total = 0.0
+    for neuron in range(p.neurons):
+        a, b = p.row(neuron), q.row(neuron)
+        mass_a, mass_b = sum(a), sum(b)
+        moved = work = 0
+        for i, j in zip(a, b):
+            moved += i * mass_b - j * mass_a
+            work += abs(moved)
+        total += work / (mass_a * mass_b)
+    return total / p.neurons
+
+
+class Scratch(unittest.TestCase):
+    """A folder per test, and ways to run the program in it."""
+
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory(prefix="vdna-cli-")
+        self.addCleanup(scratch.cleanup)
+        self.folder = Path(scratch.name)
+
+    def pictures(self, name, seeds, labels=None):
+        """A folder of pictures, one per seed; returns its path."""
+        folder = self.folder / name
+        folder.mkdir()
+        for i, seed in enumerate(seeds):
+            write_picture(folder / f"{i:03}.ppm", seed)
+        if labels:
+            (folder / "labels.csv").write_text(labels)
+        return folder
+
+    def run_vdna(self, *arguments):
+        return subprocess.run([str(VDNA), *map(str, arguments)], cwd=self.folder, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+
+    def vdna(self, *arguments):
+        """What a run that must go well prints."""
+        done = self.run_vdna(*arguments)
+        self.assertEqual(done.returncode, 0, f"vdna {arguments}: {done.stderr}")
+        return done.stdout
+
+    def vdna_json(self, *arguments):
+        return json.loads(self.vdna(*arguments, "--json"))
+
+    def refused(self, *arguments, code=1):
+        """The sentence of a run that must fail."""
+        done = self.run_vdna(*arguments)
+        self.assertEqual(done.returncode, code, f"vdna {arguments}: {done.stderr}")
+        self.assertRegex(done.stderr, r"\Avdna: .+\n\Z")
+        self.assertEqual(done.stdout, "")
+        return done.stderr
+
+    def map_files(self):
+        return sorted(path.name for path in (self.folder / "map").glob("**/*"))
+
+
+class Build(Scratch):
+    def test_counts_are_those_of_an_independent_recount(self):
+        self.pictures("a", range(5))
+        self.pictures("b", range(10, 13))
+        self.vdna("build", "map", "a", "b", "--bins", 50)
+        for name, frames in (("a", 5), ("b", 3)):
+            file = Experience(self.folder / "map" / f"{name}.vdna")
+            self.assertEqual((file.frames, file.bins), (frames, 50))
+            for neuron in range(file.neurons):
+                self.assertEqual(file.row(neuron), file.recount(neuron), f"neuron {neuron}")
+
+    def test_ranges_contain_what_was_seen_with_a_tenth_to_spare_on_each_side(self):
+        self.pictures("a", range(4))
+        self.vdna("build", "map", "a")
+        file = Experience(self.folder / "map/a.vdna")
+        seen = file.tensors["embeddings"][0::file.dim]
+        lo, hi = file.tensors["range"][:2]
+        spare = (max(seen) - min(seen)) / 10
+        self.assertAlmostEqual(lo, min(seen) - spare, places=5)
+        self.assertAlmostEqual(hi, max(seen) + spare, places=5)
+
+    def test_the_rule_of_the_reference_widens_about_zero(self):
+        self.pictures("a", range(4))
+        self.vdna("build", "map", "a", "--range-rule", "zero")
+        file = Experience(self.folder / "map/a.vdna")
+        seen = file.tensors["embeddings"][0::file.dim]
+        self.assertAlmostEqual(file.tensors["range"][1], 1.2 * max(seen), places=5)
+
+    def test_an_experience_added_later_has_the_ranges_and_bins_of_the_map(self):
+        self.pictures("a", range(4))
+        self.pictures("b", range(20, 24))
+        self.vdna("build", "map", "a", "--bins", 64)
+        self.vdna("build", "map", "b")
+        a, b = (Experience(self.folder / f"map/{name}.vdna") for name in "ab")
+        self.assertEqual(a.tensors["range"], b.tensors["range"])
+        self.assertEqual(b.bins, 64)
+        self.assertEqual(self.vdna_json("info", "map")["mismatches"], [])
+
+    def test_other_bins_than_the_map_has_are_refused_before_the_work(self):
+        self.pictures("a", range(2))
+        self.pictures("b", range(2))
+        self.vdna("build", "map", "a")
+        self.assertIn("bins", self.refused("build", "map", "b", "--bins", 64))
+        self.assertEqual(self.map_files(), ["a.vdna"])
+
+    def test_an_existing_experience_is_replaced_only_with_force(self):
+        self.pictures("a", range(2))
+        self.vdna("build", "map", "a")
+        before = (self.folder / "map/a.vdna").read_bytes()
+        write_picture(self.folder / "a/002.ppm", 99)
+        self.assertIn("--force", self.refused("build", "map", "a"))
+        self.assertEqual((self.folder / "map/a.vdna").read_bytes(), before)
+        self.vdna("build", "map", "a", "--force")
+        self.assertEqual(Experience(self.folder / "map/a.vdna").frames, 3)
+
+    def test_a_map_can_be_rebuilt_with_another_backbone(self):
+        self.pictures("a", range(2))
+        self.vdna("build", "map", "a")
+        self.vdna("build", "map", "a", "--force", "--backbone", "mobilenet_v2")
+        file = Experience(self.folder / "map/a.vdna")
+        self.assertEqual(file.metadata["backbone"], "mobilenet_v2")
+
+    def test_adding_with_another_backbone_names_the_field_and_the_remedy(self):
+        self.pictures("a", range(2))
+        self.pictures("b", range(2))
+        self.vdna("build", "map", "a")
+        sentence = self.refused("build", "map", "b", "--backbone", "mobilenet_v2")
+        self.assertIn("model_sha256", sentence)
+        self.assertIn("--force", sentence)
+
+    def test_labels_and_times_are_kept(self):
+        self.pictures("a", range(3), "file,place,x,y,utime\n"
+                      "000.ppm,7,1,2,100\n001.ppm,8,3,4,200\n002.ppm,-9,5,6,300\n")
+        self.vdna("build", "map", "a")
+        tensors = Experience(self.folder / "map/a.vdna").tensors
+        self.assertEqual(tensors["frame_place"], [7, 8, -9])
+        self.assertEqual(tensors["frame_position"], [1, 2, 0, 3, 4, 0, 5, 6, 0])
+        self.assertEqual(tensors["frame_utime"], [100, 200, 300])
+
+    def test_every_takes_one_frame_of_so_many(self):
+        self.pictures("a", range(5))
+        self.vdna("build", "map", "a", "--every", 2, "--rate", 2)
+        tensors = Experience(self.folder / "map/a.vdna").tensors
+        self.assertEqual(tensors["frame_utime"], [0, 1000000, 2000000])
+
+    def test_a_corrupt_picture_is_named_and_nothing_is_written(self):
+        self.pictures("a", range(2))
+        self.pictures("b", range(2))
+        (self.folder / "b/001.ppm").write_bytes(b"P6 no picture")
+        self.assertIn("b/001.ppm", self.refused("build", "map", "a", "b"))
+        self.assertFalse((self.folder / "map").exists())
+
+    def test_corrupt_pictures_can_be_left_out_and_are_counted(self):
+        self.pictures("a", range(3))
+        (self.folder / "a/001.ppm").write_bytes(b"")
+        report = self.vdna_json("build", "map", "a", "--skip-bad")["experiences"][0]
+        self.assertEqual((report["frames"], report["bad_frames"]), (2, 1))
+        self.assertIn("1 bad", self.vdna("build", "map", "a", "--skip-bad", "--force"))
+
+    def test_a_source_without_one_good_picture_is_refused(self):
+        self.pictures("a", range(1))
+        (self.folder / "a/000.ppm").write_bytes(b"?")
+        self.assertIn("none of its 1 frames", self.refused("build", "map", "a", "--skip-bad"))
+        self.assertFalse((self.folder / "map").exists())
+
+    def test_names_come_from_the_source_or_the_option(self):
+        self.pictures("first drive", range(1))
+        self.vdna("build", "map", "first drive/")
+        self.vdna("build", "map", "first drive", "--name", "winter-1")
+        self.assertEqual(self.map_files(), ["first_drive.vdna", "winter-1.vdna"])
+        self.refused("build", "map", "first drive", "--name", "no/slash", code=2)
+        self.refused("build", "map", "first drive", "--name", "n" * 64, code=2)
+
+    def test_two_sources_cannot_become_one_experience(self):
+        self.pictures("a", range(1))
+        (self.folder / "x").mkdir()
+        self.pictures("x/a", range(1))
+        self.assertIn("--name", self.refused("build", "map", "a", "x/a", code=2))
+        self.refused("build", "map", "a", "x/a", "--name", "b", code=2)
+
+    def test_sources_that_are_none_are_refused(self):
+        (self.folder / "empty").mkdir()
+        (self.folder / "text.txt").write_text("no video\n")
+        self.assertIn("no pictures", self.refused("build", "map", "empty"))
+        self.assertIn("not found", self.refused("build", "map", "nowhere"))
+        self.assertIn("neither a folder", self.refused("build", "map", "text.txt"))
+        self.assertIn("map", self.refused("build", "text.txt/map", self.pictures("a", [1])))
+
+    def test_a_picture_without_a_label_is_named(self):
+        self.pictures("a", range(2), "file,place\n000.ppm,1\n")
+        self.assertIn("001.ppm", self.refused("build", "map", "a"))
+
+    def test_an_unknown_backbone_is_refused(self):
+        self.pictures("a", range(1))
+        self.assertIn("resnet9000",
+                      self.refused("build", "map", "a", "--backbone", "resnet9000"))
+
+    def test_a_failed_write_leaves_nothing_new_behind(self):
+        self.pictures("a", range(1))
+        self.pictures("b", range(1))
+        self.vdna("build", "map", "a")
+        (self.folder / "map/c.vdna.part").mkdir()  # in the way of the second file
+        self.pictures("c", range(1))
+        self.refused("build", "map", "b", "c")
+        self.assertEqual(self.map_files(), ["a.vdna", "c.vdna.part"])
+
+    def test_interrupted_it_leaves_the_map_as_it_was(self):
+        self.pictures("a", range(2))
+        self.vdna("build", "map", "a")
+        self.pictures("long", range(3))
+        for i in range(3, 3000):
+            os.link(self.folder / "long/000.ppm", self.folder / f"long/{i:04}.ppm")
+        with subprocess.Popen([str(VDNA), "build", "map", "long"], cwd=self.folder,
+                              stderr=subprocess.PIPE, text=True) as run:
+            time.sleep(1)
+            self.assertIsNone(run.poll(), "the build was over before the signal")
+            run.send_signal(signal.SIGINT)
+            sentence = run.communicate(timeout=60)[1]
+        self.assertEqual(run.returncode, 130)
+        self.assertRegex(sentence, r"\Avdna: .+\n\Z")
+        self.assertEqual(self.map_files(), ["a.vdna"])
+
+
+class Calibrate(Scratch):
+    def test_its_ranges_are_those_that_build_would_find(self):
+        self.pictures("a", range(3))
+        self.vdna("calibrate", "ranges.json", "a")
+        self.vdna("build", "map", "a", "--ranges", "ranges.json")
+        self.vdna("build", "map2", "a")
+        file, other = (Experience(self.folder / m / "a.vdna") for m in ("map", "map2"))
+        self.assertEqual(file.tensors["range"], other.tensors["range"])
+        ranges = json.loads((self.folder / "ranges.json").read_text())
+        self.assertEqual([edge for pair in ranges["range"] for edge in pair],
+                         file.tensors["range"])
+        self.assertEqual((ranges["format"], ranges["version"], ranges["rule"]),
+                         ("vdna-ranges", 1, "midpoint"))
+
+    def test_ranges_of_other_pictures_saturate(self):
+        self.pictures("a", [1, 1])
+        self.pictures("b", range(10, 14))
+        self.vdna("calibrate", "ranges.json", "a")
+        report = self.vdna_json("build", "map", "b", "--ranges", "ranges.json")
+        self.assertGreater(report["experiences"][0]["saturated_share"], 0)
+
+    def test_ranges_of_an_experience_file_serve_too(self):
+        self.pictures("a", range(2))
+        self.vdna("build", "map", "a")
+        self.vdna("build", "map2", "a", "--ranges", "map/a.vdna")
+        self.vdna("rank", "map/a.vdna", "map2/a.vdna")
+
+    def test_an_existing_file_is_replaced_only_with_force(self):
+        self.pictures("a", range(2))
+        (self.folder / "ranges.json").write_text("mine")
+        self.assertIn("--force", self.refused("calibrate", "ranges.json", "a"))
+        self.assertEqual((self.folder / "ranges.json").read_text(), "mine")
+        self.vdna("calibrate", "ranges.json", "a", "--force")
+
+    def test_ranges_of_another_backbone_are_refused(self):
+        self.pictures("a", range(2))
+        self.vdna("calibrate", "ranges.json", "a", "--backbone", "mobilenet_v2")
+        sentence = self.refused("build", "map", "a", "--ranges", "ranges.json")
+        self.assertIn("model_sha256", sentence)
+        self.assertIn("mobilenet_v2", sentence)
+
+    def test_files_that_hold_no_ranges_are_refused(self):
+        self.pictures("a", range(2))
+        self.vdna("calibrate", "good.json", "a")
+        good = json.loads((self.folder / "good.json").read_text())
+        for change in ({"version": 2}, {"range": good["range"][1:]}, {"range": [[1, "x"]]},
+                       {"range": [[1, 1]] + good["range"][1:]}, {"format": None}):
+            (self.folder / "bad.json").write_text(json.dumps({**good, **change}))
+            self.assertIn("bad.json", self.refused("build", "map", "a", "--ranges", "bad.json"))
+        for text in ("", "[]", "{", "\xff" * 3, "[" * 100000):
+            (self.folder / "bad.json").write_text(text, encoding="latin-1")
+            self.assertIn("bad.json", self.refused("build", "map", "a", "--ranges", "bad.json"))
+        self.refused("build", "map", "a", "--ranges", "nowhere.json")
+        self.assertFalse((self.folder / "map").exists())
+
+
+class Info(Scratch):
+    def test_it_tells_what_a_file_holds(self):
+        self.pictures("a", range(3), "file,x,y\n000.ppm,1,2\n001.ppm,-3,4\n002.ppm,5,6\n")
+        self.vdna("build", "map", "a")
+        told = self.vdna_json("info", "map/a.vdna")["experiences"][0]
+        file = Experience(self.folder / "map/a.vdna")
+        self.assertEqual(told["labels"], {"position_m": [[-3, 5], [2, 6], [0, 0]]})
+        self.assertEqual(told["mass"], [3, 3])
+        self.assertEqual(told["utime"], [0, 200000])
+        self.assertEqual(told["bytes"], (self.folder / "map/a.vdna").stat().st_size)
+        self.assertAlmostEqual(told["mean_grey"], sum(file.tensors["frame_grey"]) / 3, places=4)
+        for key in ("backbone", "model_sha256", "preprocessing", "taps"):
+            self.assertEqual(told[key], file.metadata[key])
+        self.assertIn("frames: 3", self.vdna("info", "map"))
+
+    def test_experiences_that_do_not_compare_are_told(self):
+        self.pictures("a", range(2))
+        self.pictures("b", range(2))
+        self.vdna("build", "map", "a")
+        self.vdna("build", "map2", "b", "--bins", 10)
+        os.rename(self.folder / "map2/b.vdna", self.folder / "map/b.vdna")
+        done = self.run_vdna("info", "map", "--json")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("bins", json.loads(done.stdout)["mismatches"][0])
+        self.assertIn("map/b.vdna", done.stderr)
+        self.assertIn("bins", self.refused("rank", "map/a.vdna", "map/b.vdna"))
+
+    def test_a_corrupt_file_is_named(self):
+        self.pictures("a", range(2))
+        self.vdna("build", "map", "a")
+        path = self.folder / "map/a.vdna"
+        data = bytearray(path.read_bytes())
+        data[len(data) // 2] ^= 1
+        path.write_bytes(data)
+        for arguments in (("info", "map"), ("rank", "a", "map"), ("localise", "a", "map")):
+            self.assertIn("a.vdna", self.refused(*arguments))
+
+    def test_an_empty_map_is_refused(self):
+        self.pictures("a", range(2))
+        (self.folder / "map").mkdir()
+        for arguments in (("info", "map"), ("rank", "a", "map"), ("localise", "a", "map")):
+            self.assertIn("vdna build", self.refused(*arguments))
+
+
+class Rank(Scratch):
+    def setUp(self):
+        super().setUp()
+        self.pictures("a", range(6))
+        self.pictures("b", range(3, 9))
+        self.pictures("c", range(20, 25))
+        self.vdna("build", "map", "a", "b", "c", "--bins", 200)
+
+    def test_distances_are_those_of_an_independent_computation(self):
+        files = {name: Experience(self.folder / f"map/{name}.vdna") for name in "abc"}
+        ranking = self.vdna_json("rank", "map/a.vdna", "map/b.vdna", "map/c.vdna")
+        expected = {name: distance(files["a"], files[name]) for name in "bc"}
+        for entry in ranking["ranking"]:
+            self.assertAlmostEqual(entry["distance_bins"], expected[entry["experience"]],
+                                   delta=1e-12 * expected[entry["experience"]])
+        order = [entry["experience"] for entry in ranking["ranking"]]
+        self.assertEqual(order, sorted(expected, key=expected.get))
+        first, second = sorted(expected.values())
+        self.assertAlmostEqual(ranking["margin_bins"], second - first, delta=1e-9)
+
+    def test_live_frames_rank_as_their_experience_file_does(self):
+        live = self.vdna_json("rank", "a", "map", "--warmup", 6)
+        files = self.vdna_json("rank", "map/a.vdna", "map")
+        self.assertEqual(live["ranking"], files["ranking"])
+        self.assertEqual(live["ranking"][0], {"experience": "a", "distance_bins": 0,
+                                              "tied": False})
+
+    def test_the_warmup_is_the_first_frames_or_seconds(self):
+        self.assertEqual(self.vdna_json("rank", "a", "map", "--warmup", 4)["frames"], 4)
+        self.assertEqual(self.vdna_json("rank", "a", "map", "--warmup", "0.3s")["frames"], 3)
+        self.assertIn("6 frames", self.refused("rank", "a", "map"))
+        self.assertIn("--warmup", self.refused("rank", "a", "map", "--warmup", "0.6s"))
+        for bad in ("0", "-1", "4x", "s", "", "nans", "-1s"):
+            self.refused("rank", "a", "map", f"--warmup={bad}", code=2)
+
+    def test_equal_experiences_are_tied_in_the_order_of_the_map(self):
+        self.vdna("build", "map", "a", "--name", "a2")
+        ranking = self.vdna_json("rank", "a", "map", "--warmup", 6)["ranking"]
+        self.assertEqual([(e["experience"], e["tied"]) for e in ranking[:3]],
+                         [("a", True), ("a2", True), ("b", False)])
+        self.assertIn("tied", self.vdna("rank", "a", "map", "--warmup", 6))
+
+    def test_experiences_can_be_excluded(self):
+        ranking = self.vdna_json("rank", "a", "map", "--warmup", 6, "--exclude", "a", "c")
+        self.assertEqual([entry["experience"] for entry in ranking["ranking"]], ["b"])
+        self.assertEqual(ranking["margin_bins"], 0)
+        self.assertIn("a b c", self.refused("rank", "a", "map", "--exclude", "d"))
+        self.refused("rank", "a", "map", "--exclude", "a", "b", "c")
+
+    def test_the_distance_of_a_single_tap_is_the_distance(self):
+        entry = self.vdna_json("rank", "a", "map", "--warmup", 4, "--per-tap")["ranking"][0]
+        self.assertEqual(len(entry["taps"]), 1)
+        self.assertAlmostEqual(entry["taps"][0]["distance_bins"], entry["distance_bins"],
+                               places=9)
+
+    def test_another_backbone_is_refused_by_field(self):
+        for command in ("rank", "localise"):
+            sentence = self.refused(command, "a", "map", "--backbone", "mobilenet_v2")
+            self.assertIn("model_sha256", sentence)
+            self.assertIn("rebuild", sentence)
+
+    def test_paths_that_make_no_sense_are_refused(self):
+        self.assertIn("nowhere", self.refused("rank", "a", "nowhere"))
+        self.assertIn("nowhere", self.refused("rank", "nowhere", "map"))
+        self.refused("rank", "map/a.vdna", code=2)
+        self.refused("rank", "a", "map", "c", code=2)
+
+
+class Localise(Scratch):
+    def setUp(self):
+        super().setUp()
+        table = "file,place\n" + "".join(f"{name}/{i:03}.ppm,{10 * place}\n"
+                                         for name, first in (("a", 0), ("b", 2), ("c", 20))
+                                         for i, place in enumerate(range(first, first + 4)))
+        (self.folder / "places.csv").write_text(table)
+        self.pictures("a", range(4))
+        self.pictures("b", range(2, 6))
+        self.pictures("c", range(20, 24))
+        self.vdna("build", "map", "b", "c", "--labels", "places.csv")
+
+    def localise(self, *arguments):
+        return self.vdna_json("localise", "a", "map", "--labels", "places.csv", *arguments)
+
+    def test_recall_is_the_share_of_frames_found_within_tolerance(self):
+        answer = self.localise()
+        b, c = answer["candidates"]
+        # Frames 2 and 3 of a are frames 0 and 1 of b; the others were never seen by b or c.
+        self.assertEqual((b["experience"], b["good"], b["unreachable"]), ("b", 2, 2))
+        self.assertEqual(b["recall_percent"], 50)
+        self.assertEqual((c["good"], c["unreachable"]), (0, 4))
+        self.assertEqual((answer["all"]["good"], answer["all"]["unreachable"]), (2, 2))
+
+    def test_the_tolerance_is_in_places(self):
+        self.assertEqual(self.localise("--tolerance", 0)["candidates"][0]["unreachable"], 2)
+        self.assertEqual(self.localise("--tolerance", 20)["candidates"][0]["unreachable"], 0)
+
+    def test_matches_name_frames_and_distances(self):
+        matches = self.localise("--matches")["candidates"][0]["matches"]
+        self.assertEqual([m["live_frame"] for m in matches], [0, 1, 2, 3])
+        self.assertEqual([(m["frame"], m["distance"], m["good"]) for m in matches[2:]],
+                         [(0, 0, True), (1, 0, True)])
+        self.assertEqual(matches[3]["utime"], 300000)
+
+    def test_the_nearest_frame_is_that_of_an_independent_search(self):
+        self.vdna("build", "live", "a", "--labels", "places.csv")
+        live, file = (Experience(self.folder / p) for p in ("live/a.vdna", "map/b.vdna"))
+
+        def gap(i, j):
+            a = live.tensors["embeddings"][i * live.dim:(i + 1) * live.dim]
+            b = file.tensors["embeddings"][j * file.dim:(j + 1) * file.dim]
+            return math.dist(a, b)
+        for i, match in enumerate(self.localise("--matches")["candidates"][0]["matches"]):
+            nearest = min(range(file.frames), key=lambda j, i=i: gap(i, j))
+            self.assertEqual(match["frame"], nearest)
+            self.assertAlmostEqual(match["distance"], gap(i, nearest), places=9)
+
+    def test_the_warmup_can_be_skipped(self):
+        answer = self.localise("--skip", 2)
+        self.assertEqual((answer["frames"], answer["all"]["recall_percent"]), (2, 100))
+        self.assertIn("skip", self.refused("localise", "a", "map", "--skip", 4))
+
+    def test_experiences_can_be_named(self):
+        self.assertEqual([c["experience"] for c in self.localise("--in", "c")["candidates"]],
+                         ["c"])
+        self.assertIn("b c", self.refused("localise", "a", "map", "--in", "d"))
+
+    def test_without_labels_there_are_matches_but_no_recall(self):
+        answer = self.vdna_json("localise", "a", "map", "--matches")
+        self.assertIsNone(answer["candidates"][0]["recall_percent"])
+        self.assertEqual(answer["candidates"][0]["matches"][2]["frame"], 0)
+        self.assertIn("not labelled alike", self.vdna("localise", "a", "map"))
+
+    def test_the_difference_matrices_are_drawn(self):
+        self.localise("--matrix", "m.png")
+        data = (self.folder / "m.png").read_bytes()
+        self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
+        width, height = struct.unpack(">II", data[16:24])
+        self.assertGreater(width, 2 * 600)  # two panels of four cells
+        self.assertGreater(height, 600)
+        self.assertIn("nowhere", self.refused("localise", "a", "map", "--matrix",
+                                              "nowhere/m.png"))
+
+    def test_missing_labels_are_refused(self):
+        self.assertIn("nowhere.csv",
+                      self.refused("localise", "a", "map", "--labels", "nowhere.csv"))
+        (self.folder / "places.csv").write_text("file,place\na/000.ppm,1\n")
+        self.assertIn("001.ppm", self.refused("localise", "a", "map", "--labels", "places.csv"))
+
+
+class CommandLine(Scratch):
+    def test_alone_it_helps(self):
+        self.assertIn("build", self.vdna())
+        self.assertIn("130", self.vdna("--help"))
+
+    def test_each_sub_command_helps_with_an_example(self):
+        for command in ("build", "calibrate", "info", "rank", "localise"):
+            self.assertIn(f"  vdna {command} ", self.vdna(command, "--help"))
+
+    def test_it_tells_its_version(self):
+        self.assertRegex(self.vdna("--version"), r"\Avdna \d+\.\d+\.\d+\n\Z")
+
+    def test_wrong_usage_is_told_apart(self):
+        for arguments in (("nonsense",), ("build",), ("build", "map"), ("info",),
+                          ("build", "map", "a", "--bins", 1), ("build", "map", "a", "--rate", 0),
+                          ("build", "map", "a", "--every", 0), ("info", "map", "--nonsense"),
+                          ("localise", "a", "map", "--tolerance", -1)):
+            self.refused(*arguments, code=2)
+
+    def test_a_full_disk_under_the_report_is_an_error(self):
+        with open("/dev/full", "w", encoding="ascii") as full:
+            done = subprocess.run([str(VDNA), "--help"], stdout=full, stderr=subprocess.PIPE,
+                                  text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("standard output", done.stderr)
+
+
+if __name__ == "__main__":
+    sys.exit(not unittest.main(exit=False).result.wasSuccessful())
