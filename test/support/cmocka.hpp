@@ -10,3 +10,5 @@
 extern "C" {
 #include <cmocka.h>
 }
+
+#undef skip // CMocka makes a macro of it too, and readers of frames have a member skip()

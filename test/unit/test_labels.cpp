@@ -2,6 +2,8 @@
 #include "cmocka.hpp"
 #include "folder.hpp"
 
+#include <cstring>
+
 #include "error.hpp"
 #include "labels.hpp"
 

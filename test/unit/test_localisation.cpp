@@ -1,6 +1,8 @@
 // Recall@1 on embeddings of one number.
 #include "cmocka.hpp"
 
+#include <cstring>
+
 #include "localisation.hpp"
 
 using vdna::Localisation;
