@@ -64,7 +64,7 @@ class Printer
 {
   public:
     explicit Printer(const WatchOptions &options)
-        : json_(options.json), quiet_(options.summary), updates_(isatty(STDOUT_FILENO) != 0)
+        : json_(options.json), summary_(options.summary), updates_(isatty(STDOUT_FILENO) != 0)
     {
     }
     ~Printer() { end_update(); }
@@ -72,7 +72,6 @@ class Printer
     void take(const vdna_msg_ranking_t &message)
     {
         rankings_++;
-        chosen_ = message.count > 0 ? message.experience[0] : "";
         print(message, false);
     }
 
@@ -82,10 +81,15 @@ class Printer
         valid_ += message.validity == VDNA_MSG_LOCALISATION_T_VALID;
         refused_ += message.validity == VDNA_MSG_LOCALISATION_T_REFUSED;
         latency_us_ += static_cast<double>(message.latency_us);
-        print(message, updates_);
+        if (!summary_)
+            print(message, updates_);
     }
 
-    void take(const vdna_msg_status_t &message) { print(message, false); }
+    void take(const vdna_msg_status_t &message)
+    {
+        if (!summary_)
+            print(message, false);
+    }
 
     bool reached(const Goal &goal) const
     {
@@ -96,11 +100,9 @@ class Printer
     void print_summary() const
     {
         const double answers = static_cast<double>(localisations_);
-        std::printf("%llu frames answered: %llu valid, %llu refused; mean latency %.1f ms; %llu "
-                    "rankings%s%s\n",
+        std::printf("%llu frames answered: %llu localised, %llu refused; mean latency %.1f ms\n",
                     localisations_, valid_, refused_,
-                    localisations_ > 0 ? latency_us_ / answers / 1000 : 0.0, rankings_,
-                    rankings_ > 0 ? ", the last one chose " : "", chosen_.c_str());
+                    localisations_ > 0 ? latency_us_ / answers / 1000 : 0.0);
     }
 
   private:
@@ -108,8 +110,6 @@ class Printer
     template <typename Message>
     void print(const Message &message, bool as_update)
     {
-        if (quiet_)
-            return;
         if (json_) {
             // A name that is not UTF-8 must not end the watch.
             std::cout << json_of(message).dump(-1, ' ', false,
@@ -133,11 +133,10 @@ class Printer
         open_update_ = false;
     }
 
-    bool json_, quiet_, updates_;
+    bool json_, summary_, updates_;
     bool open_update_ = false;
     unsigned long long rankings_ = 0, localisations_ = 0, valid_ = 0, refused_ = 0;
     double latency_us_ = 0; // sum
-    std::string chosen_;
 };
 
 // Check a message, decode it, hand it to the printer: one such type per message type, because
@@ -257,7 +256,10 @@ void add_watch(CLI::App &app)
                      "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
         ->type_name("URL");
     CLI::Option *json = command->add_flag("--json", options->json, "one JSON object per message");
-    command->add_flag("--summary", options->summary, "only one line, at the end")->excludes(json);
+    command
+        ->add_flag("--summary", options->summary,
+                   "the rankings, and the localisations in one line at the end")
+        ->excludes(json);
     command->add_option("--for", options->seconds, "end after this time")
         ->type_name("SECONDS")
         ->check(CLI::Range(0.001, 1e9));
