@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string>
 #include <unistd.h>
 
@@ -133,6 +134,27 @@ static void conditions_look_different_at_the_same_place(void **)
     for (size_t i = 0; i < all.size(); i++)
         for (size_t j = 0; j < i; j++)
             assert_true(difference(picture(all[i].name, 40), picture(all[j].name, 40)) > 8);
+}
+
+static void no_two_landmarks_are_alike(void **)
+{
+    const auto landmarks = Route(7).landmarks(0, 300);
+    std::set<uint64_t> shapes;
+    for (const Landmark &landmark : landmarks)
+        shapes.insert(landmark.shape);
+    assert_true(landmarks.size() > 100);
+    assert_int_equal(shapes.size(), landmarks.size());
+}
+
+static void the_camera_projects_as_a_pinhole_a_metre_above_the_ground(void **)
+{
+    const Camera camera({3, 2, 0}, small); // looks along x; 128 pixels per metre at one metre
+    const cv::Point2f ahead = camera.pixel(camera.see({13, 2}, 1));
+    assert_true(ahead == cv::Point2f(80, 60));
+    const cv::Point2f right = camera.pixel(camera.see({11, -2}, 0)); // 8 m ahead, 4 m to the right
+    assert_true(right == cv::Point2f(80 + 64, 60 + 16));
+    const cv::Point2d back = camera.ground(4, 8);
+    assert_true(back == cv::Point2d(11, -2));
 }
 
 static void a_landmark_does_not_depend_on_where_it_is_seen_from(void **)
@@ -282,6 +304,8 @@ int main()
         cmocka_unit_test(another_place_and_another_seed_are_another_picture),
         cmocka_unit_test(a_place_keeps_its_shapes_under_another_condition),
         cmocka_unit_test(conditions_look_different_at_the_same_place),
+        cmocka_unit_test(no_two_landmarks_are_alike),
+        cmocka_unit_test(the_camera_projects_as_a_pinhole_a_metre_above_the_ground),
         cmocka_unit_test(a_landmark_does_not_depend_on_where_it_is_seen_from),
         cmocka_unit_test(a_landmark_ahead_grows_as_the_robot_moves_on),
         cmocka_unit_test(labels_say_where_and_when_each_picture_was_taken),
