@@ -1,0 +1,187 @@
+// Times the parts that run on the robot. Each figure is the median over rounds; in every round a
+// part and its peer run right after one another, so that the ratio holds when the machine drifts.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include <vdna/vdna.h>
+
+namespace
+{
+
+// Keeps the compiler from removing a computation whose result nobody reads.
+volatile double sink;
+
+double seconds(const std::function<void()> &work)
+{
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+double median(std::vector<double> values)
+{
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return values[values.size() / 2];
+}
+
+// Run both `rounds` times in turn and print the medians and the median ratio.
+void compare(const char *name, const char *peer, int rounds, double per, const char *unit,
+             const std::function<void()> &ours, const std::function<void()> &theirs)
+{
+    ours();
+    theirs();
+    std::vector<double> a, b, ratio;
+    for (int i = 0; i < rounds; i++) {
+        a.push_back(seconds(ours));
+        b.push_back(seconds(theirs));
+        ratio.push_back(a.back() / b.back());
+    }
+    std::printf("%-44s %10.3f %-14s %6.2f x %s\n", name, median(a) * per, unit, median(ratio),
+                peer);
+}
+
+// A random VDNA of `mass` samples per neuron, and all it points to.
+struct RandomDna {
+    std::vector<float> range;
+    std::vector<uint32_t> counts, mass;
+    vdna_hist_view view{};
+
+    RandomDna(uint32_t neurons, uint32_t bins, uint32_t samples, unsigned seed)
+        : counts(size_t(neurons) * bins), mass(neurons, samples)
+    {
+        std::mt19937 random(seed);
+        std::normal_distribution<float> normal(0.5f, 0.1f);
+        for (uint32_t n = 0; n < neurons; n++) {
+            range.insert(range.end(), {0.f, 1.f});
+            for (uint32_t s = 0; s < samples; s++) {
+                const float x = std::clamp(normal(random), 0.f, 0.999f);
+                counts[size_t(x * float(bins)) * neurons + n]++;
+            }
+        }
+        view = {range.data(), counts.data(), mass.data(), neurons, bins};
+    }
+};
+
+// The peer of the distance: the formula as one would write it first, in double.
+double textbook_emd(const vdna_hist_view &p, const vdna_hist_view &q)
+{
+    double total = 0;
+    for (uint32_t n = 0; n < p.neurons; n++) {
+        double below_p = 0, below_q = 0;
+        for (uint32_t b = 0; b < p.bins; b++) {
+            below_p += double(p.counts[size_t(b) * p.neurons + n]) / p.mass[n];
+            below_q += double(q.counts[size_t(b) * q.neurons + n]) / q.mass[n];
+            total += std::fabs(below_p - below_q);
+        }
+    }
+    return total / p.neurons;
+}
+
+// The limit of anything that looks at every byte once.
+uint64_t sum_bytes(const void *data, size_t size)
+{
+    const uint64_t *words = static_cast<const uint64_t *>(data);
+    uint64_t sum = 0;
+    for (size_t i = 0; i < size / sizeof *words; i++)
+        sum += words[i];
+    return sum;
+}
+
+void bench_hist(uint32_t neurons, uint32_t samples)
+{
+    std::mt19937 random(1);
+    std::normal_distribution<float> normal;
+    std::vector<float> values(size_t(neurons) * samples), range;
+    for (float &v : values)
+        v = normal(random);
+    for (uint32_t n = 0; n < neurons; n++)
+        range.insert(range.end(), {-4.f, 4.f});
+
+    vdna_hist_config config;
+    vdna_hist_config_init(&config);
+    config.neurons = neurons;
+    config.range = range.data();
+    std::vector<uint32_t> mem(vdna_hist_mem_size(&config) / sizeof(uint32_t));
+    vdna_hist hist;
+    vdna_hist_init(&config, mem.data(), mem.size() * sizeof(uint32_t), &hist);
+    const vdna_activations tap = {values.data(), neurons, samples, VDNA_LAYOUT_SAMPLES_NEURONS};
+
+    const int frames = int(std::max<size_t>(1, 400000 / values.size()));
+    char name[64];
+    std::snprintf(name, sizeof name, "count %u neurons x %u samples", neurons, samples);
+    compare(
+        name, "reading the activations", 31, 1e9 / double(values.size()) / frames, "ns/activation",
+        [&] {
+            for (int i = 0; i < frames; i++)
+                vdna_hist_add(&hist, &tap, 1);
+        },
+        [&] {
+            for (int i = 0; i < frames; i++)
+                sink = double(sum_bytes(values.data(), values.size() * sizeof(float)));
+        });
+}
+
+void bench_emd(uint32_t neurons)
+{
+    const uint32_t bins = VDNA_HIST_BINS_DEFAULT;
+    const RandomDna p(neurons, bins, 100, 1), q(neurons, bins, 1150, 2);
+    std::vector<int64_t> scratch(vdna_emd_scratch_size(neurons) / sizeof(int64_t));
+    const auto ours = [&] {
+        double distance = 0;
+        vdna_emd_mean(&p.view, &q.view, scratch.data(), scratch.size() * sizeof(int64_t),
+                      &distance);
+        sink = distance;
+    };
+    char name[64];
+    std::snprintf(name, sizeof name, "exact EMD, %u neurons x %u bins", neurons, bins);
+    compare(name, "textbook loop in double", 31, 1e6, "us", ours,
+            [&] { sink = textbook_emd(p.view, q.view); });
+    compare(name, "reading both histograms", 31, 1e6, "us", ours, [&] {
+        const size_t size = p.counts.size() * sizeof(uint32_t);
+        sink = double(sum_bytes(p.counts.data(), size) + sum_bytes(q.counts.data(), size));
+    });
+}
+
+void bench_knn(uint32_t rows, uint32_t dim)
+{
+    std::mt19937 random(1);
+    std::normal_distribution<float> normal;
+    std::vector<float> map(size_t(rows) * dim), query(dim);
+    for (float &v : map)
+        v = normal(random);
+    for (float &v : query)
+        v = normal(random);
+    char name[64];
+    std::snprintf(name, sizeof name, "nearest of %u frames, %u numbers each", rows, dim);
+    compare(
+        name, "reading the embeddings", 31, 1e6, "us",
+        [&] {
+            vdna_knn_match match{};
+            vdna_knn(query.data(), dim, map.data(), rows, 1, &match);
+            sink = match.distance_sq;
+        },
+        [&] { sink = double(sum_bytes(map.data(), map.size() * sizeof(float))); });
+}
+
+} // namespace
+
+int main()
+{
+    std::printf("vdna %s, medians of interleaved rounds on one thread\n\n", vdna_version());
+    std::printf("%-44s %10s %-14s %8s\n", "part", "median", "", "ratio to");
+    bench_hist(128, 1);
+    bench_hist(1280, 1);
+    bench_hist(768, 197);
+    bench_emd(128);
+    bench_emd(768);
+    bench_emd(1280);
+    bench_knn(1150, 128);
+    bench_knn(1150, 1280);
+    return 0;
+}

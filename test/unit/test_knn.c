@@ -1,0 +1,91 @@
+#include <math.h>
+#include <vdna/knn.h>
+
+#include "cmocka_all.h"
+
+static void the_nearest_rows_come_in_order_of_distance(void **state)
+{
+    (void)state;
+    const float map[] = {0, 0, 3, 4, 1, 0, 10, 10}, query[] = {0, 0};
+    vdna_knn_match match[3];
+    assert_int_equal(vdna_knn(query, 2, map, 4, 3, match), VDNA_OK);
+    assert_int_equal(match[0].index, 0);
+    assert_int_equal(match[1].index, 2);
+    assert_int_equal(match[2].index, 1);
+    assert_true(match[0].distance_sq == 0 && match[1].distance_sq == 1 &&
+                match[2].distance_sq == 25);
+}
+
+static void equal_distances_go_by_the_lower_index(void **state)
+{
+    (void)state;
+    const float map[] = {5, 1, -1, 1, -1}, query[] = {0};
+    vdna_knn_match match[3];
+    assert_int_equal(vdna_knn(query, 1, map, 5, 3, match), VDNA_OK);
+    assert_int_equal(match[0].index, 1);
+    assert_int_equal(match[1].index, 2);
+    assert_int_equal(match[2].index, 3);
+}
+
+static void asking_for_more_rows_than_there_are_gives_them_all(void **state)
+{
+    (void)state;
+    const float map[] = {2, 1}, query[] = {0};
+    vdna_knn_match match[3] = {{-1, 9, 9}, {-1, 9, 9}, {-1, 9, 9}};
+    assert_int_equal(vdna_knn(query, 1, map, 2, 3, match), VDNA_OK);
+    assert_int_equal(match[0].index, 1);
+    assert_int_equal(match[1].index, 0);
+    assert_int_equal(match[2].index, 9);
+}
+
+static void every_dimension_counts_whatever_their_number(void **state)
+{
+    (void)state;
+    enum { MOST = 40 };
+    float map[MOST] = {0}, query[MOST];
+    for (uint32_t dim = 1; dim <= MOST; dim++) {
+        double expected = 0;
+        for (uint32_t i = 0; i < dim; i++) {
+            query[i] = (float)(i + 1);
+            expected += (double)(i + 1) * (i + 1);
+        }
+        vdna_knn_match match;
+        assert_int_equal(vdna_knn(query, dim, map, 1, 1, &match), VDNA_OK);
+        assert_true(match.distance_sq == expected);
+    }
+}
+
+static void a_distance_that_is_not_finite_is_refused(void **state)
+{
+    (void)state;
+    const float good[] = {0}, bad[] = {NAN};
+    vdna_knn_match match;
+    assert_int_equal(vdna_knn(bad, 1, good, 1, 1, &match), VDNA_ERR_NONFINITE);
+    assert_int_equal(vdna_knn(good, 1, bad, 1, 1, &match), VDNA_ERR_NONFINITE);
+}
+
+static void bad_arguments_are_refused(void **state)
+{
+    (void)state;
+    const float x[] = {0};
+    vdna_knn_match match;
+    assert_int_equal(vdna_knn(NULL, 1, x, 1, 1, &match), VDNA_ERR_ARG);
+    assert_int_equal(vdna_knn(x, 0, x, 1, 1, &match), VDNA_ERR_ARG);
+    assert_int_equal(vdna_knn(x, 1, NULL, 1, 1, &match), VDNA_ERR_ARG);
+    assert_int_equal(vdna_knn(x, 1, x, 0, 1, &match), VDNA_ERR_ARG);
+    assert_int_equal(vdna_knn(x, 1, x, 1, 0, &match), VDNA_ERR_ARG);
+    assert_int_equal(vdna_knn(x, 1, x, 1, 1, NULL), VDNA_ERR_ARG);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_nearest_rows_come_in_order_of_distance),
+        cmocka_unit_test(equal_distances_go_by_the_lower_index),
+        cmocka_unit_test(asking_for_more_rows_than_there_are_gives_them_all),
+        cmocka_unit_test(every_dimension_counts_whatever_their_number),
+        cmocka_unit_test(a_distance_that_is_not_finite_is_refused),
+        cmocka_unit_test(bad_arguments_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

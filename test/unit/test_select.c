@@ -1,0 +1,269 @@
+#include <math.h>
+#include <string.h>
+#include <vdna/select.h>
+
+#include "cmocka_all.h"
+
+/* One neuron, four bins over 0..4, embeddings of one number. Experience "low" has all its samples
+ * in bin 0 and embeddings 0 10 20; "high" has them in bin 3 and embeddings 5 6. */
+#define BINS 4
+static const float range[] = {0, 4};
+static const uint32_t low_counts[BINS] = {3, 0, 0, 0}, low_mass = 3;
+static const uint32_t high_counts[BINS] = {0, 0, 0, 2}, high_mass = 2;
+static const float low_embeddings[] = {0, 10, 20}, high_embeddings[] = {5, 6};
+static const vdna_select_candidate candidates[] = {
+    {{range, low_counts, &low_mass, 1, BINS}, low_embeddings, 3, 0},
+    {{range, high_counts, &high_mass, 1, BINS}, high_embeddings, 2, 0},
+};
+
+static int64_t block[64];
+
+static vdna_select_config by_frames(uint32_t frames)
+{
+    vdna_select_config config;
+    vdna_select_config_init(&config);
+    config.candidates = candidates;
+    config.candidate_count = 2;
+    config.dim = 1;
+    config.warmup_frames = frames;
+    return config;
+}
+
+static vdna_select_config by_time(int64_t microseconds)
+{
+    vdna_select_config config = by_frames(0);
+    config.warmup_us = microseconds;
+    return config;
+}
+
+static vdna_select selector(vdna_select_config config)
+{
+    vdna_select select;
+    assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_OK);
+    return select;
+}
+
+static vdna_status try_frame(vdna_select *select, int64_t utime, float activation, float embedding,
+                             vdna_select_answer *answer)
+{
+    const vdna_activations tap = {&activation, 1, 1, 0};
+    const vdna_select_frame frame = {utime, &tap, 1, &embedding};
+    return vdna_select_feed(select, &frame, answer);
+}
+
+static vdna_select_answer feed(vdna_select *select, int64_t utime, float activation,
+                               float embedding)
+{
+    vdna_select_answer answer;
+    assert_int_equal(try_frame(select, utime, activation, embedding, &answer), VDNA_OK);
+    return answer;
+}
+
+static void the_nth_frame_completes_a_warmup_by_frames(void **state)
+{
+    (void)state;
+    vdna_select select = selector(by_frames(2));
+    vdna_select_answer answer = feed(&select, 100, 3.5f, 5);
+    assert_int_equal(answer.state, VDNA_SELECT_WARMUP);
+    assert_int_equal(answer.newly_ranked, 0);
+    assert_int_equal(answer.localised, 0);
+
+    answer = feed(&select, 200, 3.5f, 5);
+    assert_int_equal(answer.state, VDNA_SELECT_SELECTED);
+    assert_int_equal(answer.newly_ranked, 1);
+    assert_int_equal(answer.localised, 0);
+    assert_int_equal(select.chosen, 1);
+    assert_int_equal(select.ranking[0].candidate, 1);
+    assert_true(select.ranking[0].distance_bins == 0 && select.ranking[1].distance_bins == 3);
+    assert_true(select.margin_bins == 3);
+    assert_int_equal(select.first_utime, 100);
+    assert_int_equal(select.last_utime, 200);
+}
+
+static void later_frames_are_localised_in_the_chosen_experience(void **state)
+{
+    (void)state;
+    vdna_select select = selector(by_frames(1));
+    feed(&select, 0, 0.5f, 0);
+    const vdna_select_answer answer = feed(&select, 1, 3.5f, 12);
+    assert_int_equal(answer.newly_ranked, 0);
+    assert_int_equal(answer.localised, 1);
+    assert_int_equal(select.chosen, 0);
+    assert_int_equal(answer.match.index, 1);
+    assert_true(answer.match.distance_sq == 4);
+}
+
+static void later_frames_do_not_change_the_choice_nor_the_live_histogram(void **state)
+{
+    (void)state;
+    vdna_select select = selector(by_frames(1));
+    feed(&select, 0, 0.5f, 0);
+    for (int i = 1; i < 20; i++)
+        assert_int_equal(feed(&select, i, 3.5f, 5).newly_ranked, 0);
+    assert_int_equal(select.chosen, 0);
+    assert_int_equal(select.live.frames, 1);
+}
+
+static void a_warmup_by_time_is_the_frames_before_first_plus_t(void **state)
+{
+    (void)state;
+    vdna_select select = selector(by_time(1000));
+    assert_int_equal(feed(&select, 5000, 3.5f, 0).state, VDNA_SELECT_WARMUP);
+    assert_int_equal(feed(&select, 5999, 3.5f, 0).state, VDNA_SELECT_WARMUP);
+    /* The frame that ends the window is not in it, but is the first to be localised. */
+    const vdna_select_answer answer = feed(&select, 6000, 0.5f, 6);
+    assert_int_equal(answer.state, VDNA_SELECT_SELECTED);
+    assert_int_equal(answer.newly_ranked, 1);
+    assert_int_equal(answer.localised, 1);
+    assert_int_equal(answer.match.index, 1);
+    assert_int_equal(select.live.frames, 2);
+    assert_int_equal(select.chosen, 1);
+}
+
+static void camera_time_that_runs_backwards_begins_the_warmup_anew(void **state)
+{
+    (void)state;
+    vdna_select select = selector(by_frames(2));
+    feed(&select, 500, 0.5f, 0);
+    const vdna_select_answer answer = feed(&select, 400, 3.5f, 0);
+    assert_int_equal(answer.restarted, 1);
+    assert_int_equal(answer.state, VDNA_SELECT_WARMUP);
+    assert_int_equal(select.restarts, 1);
+    assert_int_equal(select.first_utime, 400);
+    assert_int_equal(feed(&select, 401, 3.5f, 0).newly_ranked, 1);
+    assert_int_equal(select.chosen, 1);
+}
+
+static void a_backward_stamp_does_not_end_a_warmup_by_time(void **state)
+{
+    (void)state;
+    vdna_select select = selector(by_time(1000));
+    feed(&select, INT64_MAX, 3.5f, 0);
+    /* As an unsigned difference this stamp would lie far beyond the window. */
+    const vdna_select_answer answer = feed(&select, INT64_MIN, 3.5f, 0);
+    assert_int_equal(answer.restarted, 1);
+    assert_int_equal(answer.state, VDNA_SELECT_WARMUP);
+}
+
+static void a_refused_frame_changes_nothing_but_a_counter(void **state)
+{
+    (void)state;
+    vdna_select select = selector(by_frames(2));
+    vdna_select_answer answer = {9, 9, 9, 9, {9, 9, 9}};
+    const vdna_select_answer untouched = answer;
+    feed(&select, 0, 0.5f, 0);
+    assert_int_equal(try_frame(&select, 1, NAN, 0, &answer), VDNA_ERR_NONFINITE);
+    assert_int_equal(try_frame(&select, 1, 0.5f, INFINITY, &answer), VDNA_ERR_NONFINITE);
+    assert_int_equal(vdna_select_feed(&select, NULL, &answer), VDNA_ERR_ARG);
+    assert_memory_equal(&answer, &untouched, sizeof answer);
+    assert_int_equal(select.rejected, 3);
+    assert_int_equal(select.accepted, 1);
+    assert_int_equal(select.live.frames, 1);
+
+    feed(&select, 2, 0.5f, 0);
+    assert_int_equal(try_frame(&select, 3, 0.5f, NAN, &answer), VDNA_ERR_NONFINITE);
+    assert_int_equal(select.state, VDNA_SELECT_SELECTED);
+}
+
+static void a_reset_warms_up_again_from_nothing(void **state)
+{
+    (void)state;
+    vdna_select select = selector(by_frames(1));
+    feed(&select, 0, 0.5f, 0);
+    assert_int_equal(select.chosen, 0);
+    vdna_select_reset(&select);
+    assert_int_equal(select.state, VDNA_SELECT_WARMUP);
+    assert_true(vdna_select_progress(&select) == 0);
+    /* Also with an earlier stamp: the old window is forgotten. */
+    assert_int_equal(feed(&select, -5, 3.5f, 0).restarted, 0);
+    assert_int_equal(select.chosen, 1);
+    assert_int_equal(select.accepted, 2);
+}
+
+static void a_single_candidate_is_chosen_with_margin_zero(void **state)
+{
+    (void)state;
+    vdna_select_config config = by_frames(1);
+    config.candidate_count = 1;
+    vdna_select select = selector(config);
+    feed(&select, 0, 3.5f, 0);
+    assert_int_equal(select.chosen, 0);
+    assert_true(select.margin_bins == 0);
+}
+
+static void progress_runs_from_zero_to_one(void **state)
+{
+    (void)state;
+    vdna_select select = selector(by_frames(4));
+    assert_true(vdna_select_progress(&select) == 0);
+    feed(&select, 0, 1, 0);
+    assert_true(vdna_select_progress(&select) == 0.25);
+    for (int i = 1; i < 4; i++)
+        feed(&select, i, 1, 0);
+    assert_true(vdna_select_progress(&select) == 1);
+
+    select = selector(by_time(1000));
+    feed(&select, 100, 1, 0);
+    feed(&select, 600, 1, 0);
+    assert_true(vdna_select_progress(&select) == 0.5);
+    assert_true(vdna_select_progress(NULL) == 0);
+}
+
+static void candidates_that_do_not_compare_are_refused_at_init(void **state)
+{
+    (void)state;
+    const float other_range[] = {0, 5};
+    vdna_select_candidate pair[2];
+    memcpy(pair, candidates, sizeof pair);
+    pair[1].dna.range = other_range;
+    vdna_select_config config = by_frames(1);
+    config.candidates = pair;
+    vdna_select select;
+    assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_ERR_MISMATCH);
+}
+
+static void exactly_one_kind_of_warmup_must_be_given(void **state)
+{
+    (void)state;
+    vdna_select_config config = by_frames(0);
+    assert_int_equal(vdna_select_mem_size(&config), 0);
+    config = by_frames(3);
+    config.warmup_us = 1000;
+    assert_int_equal(vdna_select_mem_size(&config), 0);
+    config = by_frames(3);
+    config.warmup_us = -1;
+    assert_int_equal(vdna_select_mem_size(&config), 0);
+}
+
+static void the_block_may_not_be_a_byte_too_small_nor_misaligned(void **state)
+{
+    (void)state;
+    const vdna_select_config config = by_frames(1);
+    const size_t size = vdna_select_mem_size(&config);
+    vdna_select select;
+    assert_true(size > 0 && size <= sizeof block - 1);
+    assert_int_equal(vdna_select_init(&config, block, size - 1, &select), VDNA_ERR_NOMEM);
+    assert_int_equal(vdna_select_init(&config, (char *)block + 4, size, &select), VDNA_ERR_ARG);
+    assert_int_equal(vdna_select_init(&config, NULL, size, &select), VDNA_ERR_ARG);
+    assert_int_equal(vdna_select_init(&config, block, size, &select), VDNA_OK);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_nth_frame_completes_a_warmup_by_frames),
+        cmocka_unit_test(later_frames_are_localised_in_the_chosen_experience),
+        cmocka_unit_test(later_frames_do_not_change_the_choice_nor_the_live_histogram),
+        cmocka_unit_test(a_warmup_by_time_is_the_frames_before_first_plus_t),
+        cmocka_unit_test(camera_time_that_runs_backwards_begins_the_warmup_anew),
+        cmocka_unit_test(a_backward_stamp_does_not_end_a_warmup_by_time),
+        cmocka_unit_test(a_refused_frame_changes_nothing_but_a_counter),
+        cmocka_unit_test(a_reset_warms_up_again_from_nothing),
+        cmocka_unit_test(a_single_candidate_is_chosen_with_margin_zero),
+        cmocka_unit_test(progress_runs_from_zero_to_one),
+        cmocka_unit_test(candidates_that_do_not_compare_are_refused_at_init),
+        cmocka_unit_test(exactly_one_kind_of_warmup_must_be_given),
+        cmocka_unit_test(the_block_may_not_be_a_byte_too_small_nor_misaligned),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
