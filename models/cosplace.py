@@ -16,6 +16,7 @@ from torch_file import CheckpointError
 
 KIND = "CosPlace ResNet"
 LANDMARK = "aggregation.1.p"
+WHOLE = "backbone"
 DEFAULT_TAP = "embedding"
 DEFAULT_SIZE = (224, 224)
 STRIDE = 32  # pixels of the picture to a pixel of layer4

@@ -42,18 +42,20 @@ def parsed(arguments):
     parser.add_argument("--size", type=size, metavar="HEIGHTxWIDTH",
                         help="of the pictures; default: 224x224, for vit what it has positions for")
     parser.add_argument("--taps", choices=("last", "all"), default="last",
-                        help="outputs to have besides the embedding: the last layer, or for cosplace "
-                        "layer1 to layer4 (default); or every block as well")
+                        help="outputs besides the embedding: last (default) gives vit's tokens or "
+                        "cosplace's layer1 to layer4; all gives every block as well")
     parser.add_argument("--source", help="for the manifest; default: file and SHA-256")
     parser.add_argument("--licence", default="unknown", help="for the manifest; default: unknown")
     return parser.parse_args(arguments)
 
 
 def build(options, checkpoint):
-    """Return (the network as a Graph, its Weights)."""
+    """Return (the network as a Graph, {part of the checkpoint that is not used: tensors in it})."""
     kind = NETWORKS[options.network]
     weights = Weights(checkpoint, kind.LANDMARK, kind.KIND)
-    return kind.build(weights, options.size, options.taps == "all"), weights
+    network = kind.build(weights, options.size, options.taps == "all")
+    return network, {weights.prefix + part: count
+                     for part, count in weights.left(kind.WHOLE).items()}
 
 
 def write(network, options, source):
@@ -76,14 +78,14 @@ def main(arguments=None):
         with options.checkpoint.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()
             file.seek(0)
-            network, weights = build(options, read_checkpoint(file))
+            network, left = build(options, read_checkpoint(file))
         write(network, options, options.source or f"{options.checkpoint.name}, SHA-256 {digest}")
     except CheckpointError as error:
         sys.exit(f"models/export.py: {options.checkpoint}: {error}")
     except OSError as error:
         sys.exit(f"models/export.py: {error.filename}: {error.strerror}")
-    for part, count in weights.left().items():
-        print(f"not used: {weights.prefix}{part} ({count} tensors)")
+    for part, count in left.items():
+        print(f"not used: {part} ({count} tensors)")
 
 
 if __name__ == "__main__":

@@ -38,7 +38,8 @@ def tap_section(name, shape, layout, is_used):
     neurons, samples = shape[-1], math.prod(shape[:-1])
     if layout == NEURONS_SAMPLES:
         neurons, samples = shape[0], math.prod(shape[1:])
-    lines = ["[[taps]]", f"output = {quoted(name)} # neurons: {neurons}, samples of each: {samples}",
+    lines = ["[[taps]]",
+             f"output = {quoted(name)} # neurons: {neurons}, samples of each: {samples}",
              f"layout = {quoted(layout)}"]
     return "".join(f"{'' if is_used else '#'}{line}\n" for line in lines)
 

@@ -3,7 +3,7 @@
 The picture is cut into patches; each becomes a token, and a class token is put before them. Blocks
 of attention and perceptron follow, and a last layer normalisation. Depth, width and the size of
 picture and patch follow from the shapes; only the width of an attention head does not, and it is
-64 in the whole family.
+64 from ViT-S to ViT-L.
 
 Input:  "image"     float32 [N,3,side,side], ImageNet mean and deviation; the side is the one that
                     the network has positions for
@@ -20,8 +20,10 @@ from torch_file import CheckpointError
 
 KIND = "ViT"
 LANDMARK = "cls_token"
+WHOLE = "blocks"
 DEFAULT_TAP = "tokens"
 HEAD_WIDTH = 64
+WIDEST = 1024  # of ViT-L; ViT-H has other heads
 EPSILON = 1e-6
 
 
@@ -90,10 +92,10 @@ def patch_grid(weights):
     """Return (width of a token, pixels along a patch, patches along the picture)."""
     projection = weights.take("patch_embed.proj.weight", None, 3, None, None)
     width, _, patch, patch_width = projection.shape
-    if patch != patch_width or width % HEAD_WIDTH != 0:
+    if patch != patch_width or width not in range(HEAD_WIDTH, WIDEST + 1, HEAD_WIDTH):
         raise CheckpointError(f"'patch_embed.proj.weight' makes {width} numbers of {patch}x"
-                              f"{patch_width} pixels, expected a multiple of {HEAD_WIDTH} of a "
-                              "square")
+                              f"{patch_width} pixels, expected a multiple of {HEAD_WIDTH} up to "
+                              f"{WIDEST}, of a square")
     tokens = weights.take("pos_embed", 1, None, width).shape[1]
     along = math.isqrt(tokens - 1)
     if along * along != tokens - 1:

@@ -80,11 +80,16 @@ class Weights:
             number += 1
         return number
 
-    def left(self):
-        """Return what was not taken as {first part of the name: number of tensors}."""
+    def left(self, whole):
+        """Return what was not taken as {first part of the name: number of tensors}. Of the part
+        `whole` nothing may be left: it would be a kind of layer that we do not compute."""
         left = {}
         for name in self.tensors.keys() - self.taken:
-            if not name.endswith(".num_batches_tracked"):  # a counter of the training
-                part = name.partition(".")[0]
-                left[part] = left.get(part, 0) + 1
+            part, _, rest = name.partition(".")
+            if rest.endswith("num_batches_tracked"):  # a counter of the training
+                continue
+            if part == whole:
+                raise CheckpointError(f"'{self.prefix}{name}' is unknown; expected a network "
+                                      "without such layers")
+            left[part] = left.get(part, 0) + 1
         return dict(sorted(left.items()))

@@ -73,7 +73,8 @@ def tiny_cosplace():
     def layer(inside, outside, blocks, stride):
         shortcut = nn.Sequential(resnet.conv1x1(inside, outside, stride), nn.BatchNorm2d(outside))
         first = resnet.BasicBlock(inside, outside, stride, shortcut if inside != outside else None)
-        return nn.Sequential(first, *(resnet.BasicBlock(outside, outside) for _ in range(1, blocks)))
+        others = [resnet.BasicBlock(outside, outside) for _ in range(1, blocks)]
+        return nn.Sequential(first, *others)
 
     stem = [nn.Conv2d(3, 4, 7, 2, 3, bias=False), nn.BatchNorm2d(4), nn.ReLU(),
             nn.MaxPool2d(3, 2, 1)]
@@ -182,8 +183,8 @@ def main():
                        ("tiny_cosplace", tiny_cosplace), ("tiny_mugs", tiny_mugs)):
         network = make().eval()
         state = fill(network, half=case == "tiny_mugs")
-        golden[case] = {"tensors": {name: " ".join(map(str, values.shape)) for name, values in state.items()},
-                        "outputs": outputs_of(network, prepared(case))}
+        shapes = {name: " ".join(map(str, values.shape)) for name, values in state.items()}
+        golden[case] = {"tensors": shapes, "outputs": outputs_of(network, prepared(case))}
         save = {"tiny_cosplace": save_tiny_cosplace, "tiny_mugs": save_tiny_mugs}.get(case)
         if save:
             save(state)

@@ -109,8 +109,8 @@ def recounted(outputs, is_map):
     for (name, neurons, samples), values in zip(outputs.taps, outputs.values):
         by_neuron = (values.reshape(PICTURES, neurons, samples).transpose(1, 0, 2) if is_map(name)
                      else values.reshape(PICTURES * samples, neurons).T)
-        place = (np.clip(by_neuron.reshape(neurons, -1).astype(np.float64), LOW, HIGH) - (LOW + HIGH) / 2
-                 ) / ((HIGH - LOW) / 2)
+        clipped = np.clip(by_neuron.reshape(neurons, -1).astype(np.float64), LOW, HIGH)
+        place = (clipped - (LOW + HIGH) / 2) / ((HIGH - LOW) / 2)
         bins = np.minimum(BINS - 1, np.floor((place + 1) * BINS / 2)).astype(int)
         flat = np.bincount((np.arange(neurons)[:, None] * BINS + bins).ravel(),
                            minlength=neurons * BINS)
@@ -199,8 +199,8 @@ class Refusals(unittest.TestCase):
 
     def test_a_checkpoint_without_tensors(self):
         self.refused("vit", {"model": object()},
-                     "holds no tensors; expected a state dict: torch.save(model.state_dict(), ...), "
-                     "not torch.save(model, ...)")
+                     "holds no tensors; expected a state dict: torch.save(model.state_dict(), "
+                     "...), not torch.save(model, ...)")
 
     def test_two_networks_of_which_none_is_the_teacher(self):
         tiny = generated_checkpoint("tiny_mugs")
@@ -218,6 +218,18 @@ class Refusals(unittest.TestCase):
         self.refused("cosplace", {"module": checkpoint},
                      "'module.backbone.5.1.bn2.running_var' is 7, expected 6")
 
+    def test_layers_that_we_do_not_compute(self):
+        checkpoint = generated_checkpoint("tiny_mugs")
+        checkpoint["blocks.0.ls1.gamma"] = Generated("gamma", (64,))
+        self.refused("vit", checkpoint, "'blocks.0.ls1.gamma' is unknown; expected a network "
+                     "without such layers")
+
+    def test_attention_heads_of_another_width(self):
+        checkpoint = generated_checkpoint("tiny_mugs")
+        checkpoint["patch_embed.proj.weight"] = Generated("proj.weight", (1280, 3, 14, 14))
+        self.refused("vit", checkpoint, "'patch_embed.proj.weight' makes 1280 numbers of 14x14 "
+                     "pixels, expected a multiple of 64 up to 1024, of a square")
+
     def test_weights_that_are_no_numbers(self):
         checkpoint = generated_checkpoint("tiny_mugs")
         checkpoint["norm.bias"].array = lambda: np.full(64, np.nan)
@@ -231,11 +243,18 @@ class Refusals(unittest.TestCase):
                      "needs pictures of multiples of 32 pixels, found --size 480x641",
                      "--size", "480x641")
 
-    def test_a_queries_bias_may_be_missing(self):
+    def test_not_a_bias_of_the_attention_that_is_missing(self):
         checkpoint = generated_checkpoint("tiny_mugs")
         del checkpoint["blocks.0.attn.qkv.bias"]
         network, _ = export.build(export.parsed(["vit", "generated", "nowhere"]), checkpoint)
         self.assertIn("tokens", network.outputs)
+
+    def test_not_a_head_that_is_not_used(self):
+        checkpoint = generated_checkpoint("tiny_mugs")
+        checkpoint["relation_blocks.0.norm1.weight"] = Generated("norm1.weight", (64,))
+        _, left = export.build(export.parsed(["vit", "generated", "nowhere"]),
+                               {"state_dict": checkpoint})
+        self.assertEqual(left, {"state_dict.relation_blocks": 1})
 
     def test_every_damaged_file_is_refused_in_one_sentence(self):
         for case in ("tiny_mugs", "tiny_cosplace"):
