@@ -87,7 +87,7 @@ def add_layer(graph, x, channels, layer, every_block):
     """Add `layer`, 1 to 4, and its outputs. Return (value, channels)."""
     place = f"backbone.{FIRST_LAYER + layer - 1}"
     height, width = (side // 2 ** (layer + 1) for side in graph.size)
-    blocks = max(1, graph.weights.count(place + ".{}.conv1.weight"))
+    blocks = max(1, graph.weights.count(place + ".{}.conv1.weight"))  # without: an error names it
     for block in range(1, blocks + 1):
         output = f"layer{layer}" if block == blocks else f"layer{layer}_block{block:02}"
         stride = 2 if block == 1 and layer > 1 else 1

@@ -42,7 +42,7 @@ class Tensor:
     def array(self):
         elements = np.frombuffer(self.storage.load(), self.storage.dtype)
         last = self.offset + sum(step * (size - 1) for step, size in zip(self.stride, self.shape))
-        # A stride of 0 repeats elements: weights never do, and copies of them could fill the memory.
+        # A stride of 0 repeats elements; weights never do, and copies could fill the memory.
         if (min(self.offset, *self.stride, 0) < 0 or last >= len(elements)
                 or math.prod(self.shape) > len(elements)):
             raise ValueError(f"a tensor of shape {self.shape} reaches out of its storage")

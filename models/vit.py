@@ -134,7 +134,7 @@ def build(weights, size, every_block):
         graph.constant(constant, np.array(value))
 
     x = add_tokens(graph, patch, along)
-    blocks = max(1, weights.count("blocks.{}.norm1.weight"))
+    blocks = max(1, weights.count("blocks.{}.norm1.weight"))  # without: an error names it
     for block in range(1, blocks + 1):
         x = graph.block(x, f"blocks.{block - 1}", f"block{block:02}")
         if every_block:
