@@ -1,45 +1,87 @@
-"""Acceptance on real pictures: twelve months of a park, each in turn ranked against the others.
+"""Acceptance on real pictures: twelve months of a park, each in turn against the eleven others.
 
-The map never sees the live month, its ranges included. Limits: mean ranking error 5 %, mean
-regret of the first choice 3 %; a computation in numpy gave 3.9 % and 1.3 %, chance 18.2 % and
-33.5 %. Skipped where the pictures, which may not be published, are not at VDNA_SHARED.
+The map is made of the other months only, its ranges included. The month's first 42 frames are
+ranked twice, by `vdna rank` and by vdna_selectord as a live camera over LCM; both must say the
+same. How good the ranking is, is judged by the recalls that `vdna localise` finds: ranking error
+(mean over the ranks of |R_true - R_predicted|) and regret of the first choice, with recalls over
+all frames of the month, as in the NumPy computation that gave 3.9 % and 1.3 % (chance: 18.2 % and
+33.5 %). The same over the frames after the warmup only, which is what the robot will meet, is
+printed beside it, and its regret has the same limit.
+
+Skipped where the pictures, which may not be published, are not at VDNA_SHARED.
 """
-
-import json
 import os
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
+import own_network
+from selectord import Selectord, Watch, vdna, vdna_json
+
 RANKING_ERROR_MAX = 5.0  # percent, mean over the months
-REGRET_MAX = 3.0
-WARMUP_FRAMES = 42
-TOLERANCE_PLACES = 64
+REGRET_MAX = 3.0         # percent, mean over the months
+WARMUP = 42
+AFTER = 3                # frames that the daemon localises
+RATES = (20, 10, 4)      # Hz; an idle machine manages 100
+TOLERANCE = 64           # places
 
-VDNA = Path(os.environ["VDNA_BIN"]) / "vdna"
 PICTURES = Path(os.environ["VDNA_SHARED"]) / "data" / "planetarium_pan"
+LABELS = PICTURES / "manifest.csv"
 
 
-def vdna(*arguments):
-    """What one run of the program answers."""
-    command = [str(VDNA), *map(str, arguments), "--json"]
-    return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
+def daemon_says(live, road_map):
+    """What the daemon says to the first frames of a month.
+
+    On a busy machine it may pass over frames, as it is meant to; then they come again, slower.
+    """
+    for rate in RATES:
+        with Watch() as watch, Selectord("--map", road_map, "--warmup-frames", WARMUP):
+            vdna("play", live, "--frames", WARMUP + AFTER, "--rate", rate, "--stamp", "recorded")
+            status = watch.wait_for("status", lambda s: s["received"] >= WARMUP + AFTER and
+                                    s["processed"] + s["skipped"] == s["received"])
+        if status["skipped"] == 0:
+            return watch
+    raise AssertionError(f"{live.name}: frames were passed over even at {RATES[-1]} Hz")
 
 
-def judge(live, others, scratch):
-    """Ranking error and regret, in percent, of choosing among `others` for the month `live`."""
-    labels = ("--labels", PICTURES / "manifest.csv")
-    road_map = scratch / live.name
-    vdna("build", road_map, *others, *labels)
-    ranking = vdna("rank", live, road_map, "--warmup", WARMUP_FRAMES)
-    localised = vdna("localise", live, road_map, *labels, "--skip", WARMUP_FRAMES,
-                     "--tolerance", TOLERANCE_PLACES)
-    recall = {c["experience"]: c["recall_percent"] for c in localised["candidates"]}
-    predicted = [recall[entry["experience"]] for entry in ranking["ranking"]]
-    true = sorted(recall.values(), reverse=True)
-    error = sum(abs(t - p) for t, p in zip(true, predicted, strict=True)) / len(true)
+def faults_of(said, ranking):
+    """How the daemon's words differ from the ranking of `vdna rank`, as texts."""
+    rankings = [message["ranking"] for message in said.of("ranking")]
+    rankings = [[(e["experience"], e["distance_bins"]) for e in r] for r in rankings]
+    validities = [message["validity"] for message in said.of("localisation")]
+    faults = []
+    if rankings != [ranking]:
+        faults.append(f"the daemon ranked {rankings}, expected once {ranking}")
+    if validities != ["WARMING_UP"] * WARMUP + ["VALID"] * AFTER:
+        faults.append(f"the daemon's answers were {validities}")
+    return faults
+
+
+def judge(recall, order):
+    """Ranking error and regret, in percent, of this order of the experiences."""
+    predicted = [recall[name] for name in order]
+    true = sorted(predicted, reverse=True)
+    error = sum(abs(t - p) for t, p in zip(true, predicted)) / len(true)
     return error, true[0] - predicted[0]
+
+
+def recalls(candidates, first):
+    """Recall@1 in percent of each experience over the live frames from number `first` on."""
+    return {c["experience"]: 100 * sum(m["good"] for m in c["matches"][first:]) /
+            len(c["matches"][first:]) for c in candidates}
+
+
+def examine(live, others, road_map):
+    """Errors and regrets of one month, over all frames and after the warmup, and its faults."""
+    vdna("build", road_map, *others, "--labels", LABELS)
+    ranking = [(entry["experience"], entry["distance_bins"]) for entry in
+               vdna_json("rank", live, road_map, "--warmup", WARMUP)["ranking"]]
+    faults = faults_of(daemon_says(live, road_map), ranking)
+    candidates = vdna_json("localise", live, road_map, "--labels", LABELS,
+                           "--tolerance", TOLERANCE, "--matches")["candidates"]
+    order = [name for name, _ in ranking]
+    return (*judge(recalls(candidates, 0), order), *judge(recalls(candidates, WARMUP), order),
+            faults)
 
 
 def main():
@@ -47,18 +89,23 @@ def main():
         print(f"skipped: no pictures at {PICTURES}; set VDNA_SHARED")
         return 77
     months = sorted(path for path in PICTURES.iterdir() if path.is_dir())
-    results = []
+    results, faulty = [], 0
     for live in months:
         with tempfile.TemporaryDirectory() as scratch:
             others = [month for month in months if month != live]
-            results.append(judge(live, others, Path(scratch)))
-        print(f"{live.name}: ranking error {results[-1][0]:.2f} %, regret {results[-1][1]:.2f} %",
-              flush=True)
-    error, regret = (sum(column) / len(results) for column in zip(*results))
-    print(f"mean ranking error {error:.2f} % (limit {RANKING_ERROR_MAX} %), "
-          f"mean regret {regret:.2f} % (limit {REGRET_MAX} %)")
-    return 0 if error <= RANKING_ERROR_MAX and regret <= REGRET_MAX else 1
+            *numbers, faults = examine(live, others, Path(scratch) / "map")
+        results.append(numbers)
+        faulty += bool(faults)
+        print("{}: ranking error {:.2f} %, regret {:.2f} %; after the warmup {:.2f} %, {:.2f} %"
+              .format(live.name, *numbers), *faults, sep="; ", flush=True)
+    error, regret, error_after, regret_after = (sum(c) / len(c) for c in zip(*results))
+    print(f"mean over the months: ranking error {error:.2f} % (limit {RANKING_ERROR_MAX} %), "
+          f"regret {regret:.2f} % (limit {REGRET_MAX} %); after the warmup {error_after:.2f} %, "
+          f"{regret_after:.2f} % (limit {REGRET_MAX} %); months with faults: {faulty}")
+    return int(error > RANKING_ERROR_MAX or regret > REGRET_MAX or regret_after > REGRET_MAX or
+               faulty > 0)
 
 
 if __name__ == "__main__":
+    own_network.enter()
     sys.exit(main())
