@@ -30,25 +30,18 @@ int fail(const std::string &sentence, int code)
 }
 
 // Parse the command line; the sub-command's callback does the work.
-int run(CLI::App &app, int argc, char **argv)
+void run(CLI::App &app, int argc, char **argv)
 {
     try {
         app.parse(argc, argv);
         if (app.get_subcommands().empty())
             std::cout << app.help();
-        // A full disk or a closed pipe is noticed here, not by whoever reads half a report.
-        if (!std::cout.flush())
-            throw vdna::Error("standard output: cannot write");
-        return vdna::exit_ok;
     } catch (const CLI::Success &request) {
-        return app.exit(request); // --help and --version
-    } catch (const CLI::ParseError &e) {
-        return fail(std::string(e.what()) + "; see vdna --help", vdna::exit_usage);
-    } catch (const vdna::Error &e) {
-        return fail(e.what(), e.code());
-    } catch (const std::exception &e) {
-        return fail(e.what(), vdna::exit_failed);
+        app.exit(request); // prints what --help and --version ask for
     }
+    // A full disk or a closed pipe is noticed here, not by whoever reads half a report.
+    if (!std::cout.flush())
+        throw vdna::Error("standard output: cannot write");
 }
 
 } // namespace
@@ -64,5 +57,14 @@ int main(int argc, char **argv)
     app.footer("vdna COMMAND --help tells more. Exit codes: 0 done, 1 the input or the system did "
                "not allow it, 2 wrong usage, 130 interrupted. Nothing half-written is left.");
     add_commands(app);
-    return run(app, argc, argv);
+    try {
+        run(app, argc, argv);
+        return vdna::exit_ok;
+    } catch (const CLI::ParseError &e) {
+        return fail(std::string(e.what()) + "; see vdna --help", vdna::exit_usage);
+    } catch (const vdna::Error &e) {
+        return fail(e.what(), e.code());
+    } catch (const std::exception &e) {
+        return fail(e.what(), vdna::exit_failed);
+    }
 }
