@@ -49,9 +49,10 @@ StagedFiles::~StagedFiles()
 
 void StagedFiles::write(const vdna_experience &experience, const fs::path &file)
 {
-    files_.push_back(file);
     vdna_error error{};
     require(vdna_experience_write(&experience, part_of(file).c_str(), &error), error);
+    // Not earlier: what was in the way of a failed write is not ours to remove.
+    files_.push_back(file);
 }
 
 void StagedFiles::commit()
