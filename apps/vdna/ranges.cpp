@@ -88,6 +88,10 @@ Ranges read_ranges(const std::string &path)
         throw Error(path + ": cannot open, expected a ranges file of `vdna calibrate`");
     try {
         return from_json(path, Json::parse(stream));
+    } catch (const Json::parse_error &e) {
+        // Not its text, which repeats bytes of the file.
+        throw Error(path + ": not JSON at byte " + std::to_string(e.byte) +
+                    "; expected a ranges file of `vdna calibrate` or an experience file");
     } catch (const Json::exception &e) {
         throw Error(path +
                     ": not a ranges file of `vdna calibrate` or an experience file: " + e.what());
