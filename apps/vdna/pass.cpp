@@ -19,9 +19,10 @@ bool Pass::next()
             const bool more = run();
             progress_.advance(more);
             return more;
-        } catch (const BadFrame &) {
+        } catch (const BadFrame &bad) {
             if (!skip_bad_)
-                throw;
+                throw Error(bad.what() + std::string("; replace or remove it, or leave out frames "
+                                                     "that cannot be used with --skip-bad"));
             bad_++;
             progress_.advance();
         }
