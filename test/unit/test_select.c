@@ -123,14 +123,17 @@ static void a_warmup_by_time_is_the_frames_before_first_plus_t(void **state)
 static void camera_time_that_runs_backwards_begins_the_warmup_anew(void **state)
 {
     (void)state;
-    vdna_select select = selector(by_frames(2));
-    feed(&select, 500, 0.5f, 0);
-    const vdna_select_answer answer = feed(&select, 400, 3.5f, 0);
+    vdna_select select = selector(by_frames(3));
+    feed(&select, 400, 0.5f, 0);
+    feed(&select, 600, 0.5f, 0);
+    /* Behind the newest frame of the window, though not behind its first. */
+    const vdna_select_answer answer = feed(&select, 500, 3.5f, 0);
     assert_int_equal(answer.restarted, 1);
     assert_int_equal(answer.state, VDNA_SELECT_WARMUP);
     assert_int_equal(select.restarts, 1);
-    assert_int_equal(select.first_utime, 400);
-    assert_int_equal(feed(&select, 401, 3.5f, 0).newly_ranked, 1);
+    assert_int_equal(select.first_utime, 500);
+    feed(&select, 500, 3.5f, 0);
+    assert_int_equal(feed(&select, 501, 3.5f, 0).newly_ranked, 1);
     assert_int_equal(select.chosen, 1);
 }
 
