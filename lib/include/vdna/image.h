@@ -26,7 +26,8 @@
 
 /** Largest width and height that is decoded, in pixels. */
 #define VDNA_IMAGE_SIDE_MAX 16384u
-/** Largest width x height that is decoded, in pixels: a few bytes can claim to be a huge picture. */
+/** Largest width x height that is decoded, in pixels: a few bytes can claim to be a huge picture.
+ */
 #define VDNA_IMAGE_PIXELS_MAX 67108864u
 
 /** One picture. Nothing in it is trusted: whoever decodes it checks every field. */
