@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "eval/ablation.hpp"
+#include "eval/report/report.hpp"
 #include "eval/result_json.hpp"
 #include "eval/result_npy.hpp"
 #include "eval/result_tables.hpp"
@@ -33,7 +34,8 @@ struct EvalOptions {
     std::optional<uint32_t> stride;
     uint32_t range_rule = VDNA_RANGE_ABOUT_MIDPOINT;
     std::vector<std::string> ablate;
-    std::string cache, json, csv, npy;
+    std::string cache, json, csv, npy, html;
+    std::string command_line; // as it was given
 };
 
 bool contains(const std::vector<std::string> &names, const std::string &name)
@@ -134,6 +136,23 @@ void write_results(const EvalOptions &o, const Evaluation &evaluation,
         write_whole_file(o.csv, csv_of(evaluation));
     if (!o.npy.empty())
         write_npy_files(evaluation, o.npy);
+    if (!o.html.empty())
+        write_whole_file(o.html, report_of(evaluation, ablations, o.command_line));
+}
+
+// What was given on the command line, in the order of the help.
+std::string command_line_of(const CLI::App &command)
+{
+    std::string line = "vdna " + command.get_name();
+    for (const CLI::Option *option : command.get_options()) {
+        if (option->count() == 0)
+            continue;
+        if (!option->get_positional())
+            line += " " + option->get_name();
+        if (option->get_items_expected_max() > 0)
+            line += " " + CLI::detail::join(option->results(), ",");
+    }
+    return line;
 }
 
 void run(const EvalOptions &o)
@@ -236,6 +255,10 @@ void add_output_options(CLI::App &command, EvalOptions &o)
     command
         .add_option("--npy", o.npy, "write matrices and embeddings for NumPy, index.json with them")
         ->type_name("DIR");
+    command
+        .add_option("--html", o.html,
+                    "write a report to read in a browser: one file with tables, charts, pictures")
+        ->type_name("FILE");
 }
 
 } // namespace
@@ -257,7 +280,10 @@ void add_eval(CLI::App &app)
         "  vdna eval runs/ --tolerance 5 --json result.json\n"
         "  vdna eval nordland/ --protocol nordland --backbone cosplace_resnet101_128\n"
         "  vdna eval runs/ --ablate bins --bins 10,100,1000");
-    command->callback([options] { run(*options); });
+    command->callback([options, command] {
+        options->command_line = command_line_of(*command);
+        run(*options);
+    });
 }
 
 } // namespace vdna
