@@ -16,5 +16,7 @@ void add_play(CLI::App &app);
 void add_watch(CLI::App &app);
 void add_command(CLI::App &app);
 void add_simulate(CLI::App &app);
+void add_eval(CLI::App &app);
+void add_metrics(CLI::App &app);
 
 } // namespace vdna

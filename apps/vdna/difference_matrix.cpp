@@ -21,16 +21,6 @@ constexpr uint64_t cells_max = uint64_t{1} << 27;
 constexpr uint32_t side_min = 600, side_max = 1600;
 constexpr int margin = 16, title_height = 44, width_min = 260; // pixels
 
-double distance(const float *a, const float *b, size_t dim)
-{
-    double sum = 0;
-    for (size_t i = 0; i < dim; i++) {
-        const double d = double{a[i]} - double{b[i]};
-        sum += d * d;
-    }
-    return std::sqrt(sum);
-}
-
 // Distances of the embeddings, [live frames][map frames].
 cv::Mat matrix_of(const Recording &live, const vdna_experience &experience)
 {
@@ -39,9 +29,9 @@ cv::Mat matrix_of(const Recording &live, const vdna_experience &experience)
         require_not_interrupted();
         const float *embedding = &live.embeddings[static_cast<size_t>(i) * experience.dim];
         for (int j = 0; j < matrix.cols; j++)
-            matrix.at<float>(i, j) = static_cast<float>(
-                distance(embedding, experience.embeddings + static_cast<size_t>(j) * experience.dim,
-                         experience.dim));
+            matrix.at<float>(i, j) = static_cast<float>(embedding_distance(
+                embedding, experience.embeddings + static_cast<size_t>(j) * experience.dim,
+                experience.dim));
     }
     return matrix;
 }

@@ -34,19 +34,9 @@ bool is_hidden(const fs::path &file)
 class FolderReader : public Reader
 {
   public:
-    FolderReader(const fs::path &folder, double rate_hz) : rate_hz_(rate_hz)
+    FolderReader(const fs::path &folder, double rate_hz)
+        : rate_hz_(rate_hz), files_(pictures_in(folder))
     {
-        std::error_code failure;
-        for (fs::directory_iterator file(folder, failure), end; !failure && file != end;
-             file.increment(failure))
-            if (is_picture(*file) && !is_hidden(*file) && file->is_regular_file())
-                files_.push_back(*file);
-        if (failure)
-            throw Error(folder.string() + ": cannot read this folder: " + failure.message());
-        if (files_.empty())
-            throw Error(folder.string() + ": no pictures in this folder, expected .jpg, .png, "
-                                          ".webp, .bmp, .ppm or .tif files");
-        std::sort(files_.begin(), files_.end());
     }
 
     bool read(Frame &out_frame) override
@@ -58,7 +48,7 @@ class FolderReader : public Reader
         out_frame.file = file;
         out_frame.name = file.string();
         out_frame.utime = std::llround(static_cast<double>(out_frame.index) * 1e6 / rate_hz_);
-        load(file);
+        bytes_ = read_picture(file);
         out_frame.image = {bytes_.data(), bytes_.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
         return true;
     }
@@ -74,19 +64,6 @@ class FolderReader : public Reader
     uint64_t size() const override { return files_.size(); }
 
   private:
-    void load(const fs::path &file)
-    {
-        std::error_code failure;
-        const uintmax_t size = fs::file_size(file, failure);
-        std::ifstream stream(file, std::ios::binary);
-        if (failure || !stream)
-            throw BadFrame(file.string() + ": cannot open this picture");
-        bytes_.resize(size);
-        if (!stream.read(reinterpret_cast<char *>(bytes_.data()),
-                         static_cast<std::streamsize>(size)))
-            throw BadFrame(file.string() + ": cannot read this picture");
-    }
-
     double rate_hz_;
     std::vector<fs::path> files_;
     std::vector<uint8_t> bytes_;
@@ -94,6 +71,36 @@ class FolderReader : public Reader
 };
 
 } // namespace
+
+std::vector<fs::path> pictures_in(const fs::path &folder)
+{
+    std::vector<fs::path> files;
+    std::error_code failure;
+    for (fs::directory_iterator file(folder, failure), end; !failure && file != end;
+         file.increment(failure))
+        if (is_picture(*file) && !is_hidden(*file) && file->is_regular_file())
+            files.push_back(*file);
+    if (failure)
+        throw Error(folder.string() + ": cannot read this folder: " + failure.message());
+    if (files.empty())
+        throw Error(folder.string() + ": no pictures in this folder, expected .jpg, .png, "
+                                      ".webp, .bmp, .ppm or .tif files");
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+std::vector<uint8_t> read_picture(const fs::path &file)
+{
+    std::error_code failure;
+    const uintmax_t size = fs::file_size(file, failure);
+    std::ifstream stream(file, std::ios::binary);
+    if (failure || !stream)
+        throw BadFrame(file.string() + ": cannot open this picture");
+    std::vector<uint8_t> bytes(size);
+    if (!stream.read(reinterpret_cast<char *>(bytes.data()), static_cast<std::streamsize>(size)))
+        throw BadFrame(file.string() + ": cannot read this picture");
+    return bytes;
+}
 
 std::unique_ptr<Reader> open_folder(const fs::path &path, double rate_hz)
 {

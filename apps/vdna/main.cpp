@@ -21,6 +21,8 @@ void add_commands(CLI::App &app)
     vdna::add_watch(app);
     vdna::add_command(app);
     vdna::add_simulate(app);
+    vdna::add_eval(app);
+    vdna::add_metrics(app);
 }
 
 int fail(const std::string &sentence, int code)

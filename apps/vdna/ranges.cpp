@@ -7,6 +7,7 @@
 
 #include "check.hpp"
 #include "experience.hpp"
+#include "whole_file.hpp"
 
 namespace vdna
 {
@@ -112,18 +113,7 @@ void write_ranges(const Ranges &ranges, uint32_t rule, const std::string &path)
                        {"factor", VDNA_RANGE_FACTOR},
                        {"rule", range_rules[rule]},
                        {"range", pairs}};
-    const std::string part = path + ".part";
-    std::ofstream stream(part, std::ios::binary);
-    stream << json.dump() << '\n';
-    stream.close();
-    std::error_code failure;
-    if (stream)
-        std::filesystem::rename(part, path, failure);
-    if (!stream || failure) {
-        std::error_code unused;
-        std::filesystem::remove(part, unused);
-        throw Error(path + ": cannot write this file" + (failure ? ": " + failure.message() : ""));
-    }
+    write_whole_file(path, json.dump() + "\n");
 }
 
 void require_backbone(const Ranges &ranges, const vdna_backbone_info &backbone)

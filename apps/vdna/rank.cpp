@@ -1,5 +1,4 @@
 // vdna rank - order experiences by the distance of their Visual DNA to a query.
-#include <charconv>
 #include <iomanip>
 
 #include <vdna/rank.h>
@@ -11,6 +10,8 @@
 #include "options.hpp"
 #include "pass.hpp"
 #include "print.hpp"
+#include "tap.hpp"
+#include "warmup.hpp"
 
 namespace vdna
 {
@@ -28,13 +29,6 @@ struct RankOptions {
     bool json = false;
 };
 
-// One tap's place in the order of the neurons.
-struct Tap {
-    std::string name;
-    size_t begin; // first neuron
-    size_t end;   // past the last one
-};
-
 // A ranking and what to say about it.
 struct Ranking {
     std::string query;
@@ -47,46 +41,16 @@ struct Ranking {
     std::vector<std::vector<double>> tap_distances; // [candidates][taps], bins
 };
 
-// "NAME:NEURONS:SAMPLES[,...]", as the backbone writes it.
-std::vector<Tap> taps_of(const std::string &text, uint32_t neurons)
-{
-    std::vector<Tap> taps;
-    size_t at = 0, begin = 0;
-    while (at < text.size()) {
-        const size_t next = std::min(text.find(',', at), text.size());
-        const std::string entry = text.substr(at, next - at);
-        const size_t samples = entry.rfind(':');
-        const size_t count = samples == std::string::npos || samples == 0
-                                 ? std::string::npos
-                                 : entry.rfind(':', samples - 1);
-        size_t size = 0;
-        if (count == std::string::npos ||
-            std::from_chars(&entry[count + 1], &entry[samples], size).ptr != &entry[samples] ||
-            size > neurons - begin)
-            throw Error("taps '" + text + "' do not say where each tap's neurons are");
-        taps.push_back({entry.substr(0, count), begin, begin + size});
-        begin += size;
-        at = next + 1;
-    }
-    return taps;
-}
-
-// The mean distance of each tap's neurons.
-std::vector<double> tap_means(const vdna_hist_view &query, const vdna_hist_view &candidate,
-                              const std::vector<Tap> &taps)
+// The distance of each tap's neurons.
+std::vector<double> tap_distances(const vdna_hist_view &query, const vdna_hist_view &candidate,
+                                  const std::vector<Tap> &taps)
 {
     std::vector<int64_t> scratch(vdna_emd_scratch_size(query.neurons) / sizeof(int64_t) + 1);
-    std::vector<double> distances(query.neurons), means;
+    std::vector<double> neuron_emd(query.neurons);
     require_ok(vdna_emd(&query, &candidate, scratch.data(), scratch.size() * sizeof(int64_t),
-                        distances.data()),
+                        neuron_emd.data()),
                "distance per tap");
-    for (const Tap &tap : taps) {
-        double sum = 0;
-        for (size_t i = tap.begin; i < tap.end; i++)
-            sum += distances[i];
-        means.push_back(sum / static_cast<double>(std::max<size_t>(tap.end - tap.begin, 1)));
-    }
-    return means;
+    return tap_means(neuron_emd, taps);
 }
 
 void add_taps(Ranking &ranking, const std::string &taps, const vdna_hist_view &query,
@@ -94,7 +58,7 @@ void add_taps(Ranking &ranking, const std::string &taps, const vdna_hist_view &q
 {
     ranking.taps = taps_of(taps, query.neurons);
     for (const vdna_hist_view &candidate : candidates)
-        ranking.tap_distances.push_back(tap_means(query, candidate, ranking.taps));
+        ranking.tap_distances.push_back(tap_distances(query, candidate, ranking.taps));
 }
 
 // The first experience file against the others.
@@ -128,24 +92,6 @@ Ranking rank_files(const RankOptions &options)
     return ranking;
 }
 
-// "42" frames or "4.5s" of camera time.
-void set_warmup(const std::string &text, vdna_select_config &config)
-{
-    const char *end = text.data() + text.size();
-    double seconds = 0;
-    const auto as_frames = std::from_chars(text.data(), end, config.warmup_frames);
-    if (as_frames.ec == std::errc() && as_frames.ptr == end && config.warmup_frames > 0)
-        return;
-    config.warmup_frames = 0;
-    const auto as_time = std::from_chars(text.data(), end, seconds);
-    if (as_time.ec != std::errc() || std::string(as_time.ptr, end) != "s" ||
-        !(seconds >= 1e-6 && seconds <= 1e9))
-        throw Error("--warmup: found '" + text +
-                        "', expected frames as 42 or seconds of camera time as 4.5s",
-                    exit_usage);
-    config.warmup_us = static_cast<int64_t>(seconds * 1e6);
-}
-
 // A selector with the memory it lives in.
 class Selector
 {
@@ -160,7 +106,9 @@ class Selector
         config.candidates = candidates_.data();
         config.candidate_count = static_cast<uint32_t>(candidates_.size());
         config.dim = map.experiences().front().dim;
-        set_warmup(warmup, config);
+        const Warmup window = warmup_of(warmup);
+        config.warmup_frames = window.frames;
+        config.warmup_us = window.us;
         mem_.resize(vdna_select_mem_size(&config) / sizeof(int64_t) + 1);
         require_ok(vdna_select_init(&config, mem_.data(), mem_.size() * sizeof(int64_t), &select_),
                    "selector");

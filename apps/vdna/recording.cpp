@@ -5,12 +5,15 @@ namespace vdna
 
 void Recording::add(const Pass &pass)
 {
-    const Frame &frame = pass.frame();
-    const vdna_backbone_frame &output = pass.output();
+    add(pass.frame(), pass.output());
+    bad = pass.bad();
+}
+
+void Recording::add(const Frame &frame, const vdna_backbone_frame &output)
+{
     if (frames == UINT32_MAX)
         throw Error(frame.name + ": more frames than an experience can hold");
     frames++;
-    bad = pass.bad();
     index.push_back(frame.index);
     utime.push_back(frame.utime);
     if (frame.label.place)

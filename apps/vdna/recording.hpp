@@ -23,6 +23,8 @@ struct Recording {
 
     // Append the frame that `pass` is at.
     void add(const Pass &pass);
+    // Append a frame and what the network made of it.
+    void add(const Frame &frame, const vdna_backbone_frame &output);
 };
 
 } // namespace vdna

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <vdna/image.h>
 
@@ -82,6 +83,12 @@ std::unique_ptr<Reader> open_reader(const std::string &path, const SourceOptions
 std::unique_ptr<Reader> open_folder(const std::filesystem::path &path, double rate_hz);
 std::unique_ptr<Reader> open_video(const std::string &path, double rate_hz);
 std::unique_ptr<Reader> open_lcm_log(const std::string &path, const std::string &channel);
+
+// The pictures of a folder, in the order of their names; none is an Error.
+std::vector<std::filesystem::path> pictures_in(const std::filesystem::path &folder);
+
+// The bytes of a picture file. Throws BadFrame.
+std::vector<uint8_t> read_picture(const std::filesystem::path &file);
 
 // Does this file begin as an LCM log does?
 bool is_lcm_log(const std::string &path);

@@ -1,0 +1,45 @@
+// Histograms of the activations of traversals.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "frames.hpp"
+#include "histogram.hpp"
+#include "tap.hpp"
+
+namespace vdna
+{
+
+// The part of the activations that is counted.
+class Binning
+{
+  public:
+    // frames: borrowed. taps: names; none = all of the backbone's. Throws Error for an unknown one.
+    Binning(Frames &frames, const std::vector<std::string> &taps, uint32_t range_rule);
+
+    uint32_t neurons() const { return neurons_; }
+    const std::vector<Tap> &taps() const { return taps_; } // places among the neurons counted
+    std::string taps_text() const;                         // as in vdna_backbone_info
+
+    // [neurons][2], from all frames of these traversals.
+    std::vector<float> range_of(const std::vector<size_t> &traversals);
+    // Of the first frames of a traversal. range: borrowed.
+    Histogram histogram_of(size_t traversal, uint32_t frames, const std::vector<float> &range,
+                           uint32_t bins);
+
+  private:
+    // The activations that are counted of one frame; borrowed until the next call.
+    const std::vector<vdna_activations> &picked(size_t traversal, uint32_t frame);
+    const std::vector<float> &observed(size_t traversal);
+
+    Frames &frames_;
+    uint32_t range_rule_;
+    uint32_t neurons_ = 0;
+    std::vector<size_t> indices_; // of the picked taps in the backbone's
+    std::vector<Tap> taps_;
+    std::vector<vdna_activations> picked_;
+    std::vector<std::vector<float>> observed_; // [traversals], minima and maxima once asked for
+};
+
+} // namespace vdna

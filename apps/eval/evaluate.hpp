@@ -1,0 +1,27 @@
+// The paper's evaluation: every traversal in turn is the live one, the others are the map.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "binning.hpp"
+#include "evaluation.hpp"
+
+namespace vdna
+{
+
+struct EvaluationSettings {
+    uint32_t bins = VDNA_HIST_BINS_DEFAULT;
+    std::string warmup;                  // "100" frames or "45s"
+    double tolerance = 5;                // inclusive
+    uint32_t stride = 1;                 // every stride-th frame after the warmup is localised
+    std::vector<std::string> taps;       // none = all
+    std::vector<std::string> queries;    // traversals; none = all
+    std::vector<std::string> references; // traversals; none = all
+};
+
+// binning: of these frames; both borrowed as long as the result is in use. Shows progress.
+// Throws Error.
+Evaluation evaluate(const Frames &frames, Binning &binning, const EvaluationSettings &settings);
+
+} // namespace vdna

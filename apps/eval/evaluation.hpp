@@ -1,0 +1,99 @@
+// What an evaluation found: the plain structure that tables, files and reports are made from.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <vdna/backbone.h>
+#include <vdna/baseline.h>
+
+#include "localisation.hpp"
+#include "recording.hpp"
+
+namespace vdna
+{
+
+// One traversal of a data set, with what the network made of its frames.
+struct Traversal {
+    std::string name;  // "winter", or "test:2/winter" of a partitioned data set
+    std::string group; // traversals are compared within their group only: "test:2", or ""
+    Recording recording;
+    std::vector<std::filesystem::path> files; // [recording.frames], the pictures
+};
+
+// Recall@N is told for these N.
+constexpr std::array<uint32_t, 3> recall_depths = {1, 5, 10};
+
+// The nearest map frame of one live frame.
+struct FrameMatch {
+    uint32_t live;    // frame of the query's traversal
+    size_t traversal; // of the map frame
+    uint32_t frame;   // of that traversal
+    double distance;  // of the embeddings, Euclidean
+    bool good;        // taken within tolerance of the live frame
+    bool reachable;   // some map frame was taken within tolerance of the live frame
+};
+
+// The live frames of a query, localised in one map.
+struct Outcome {
+    std::array<double, recall_depths.size()> recall; // percent, Recall@N for recall_depths
+    uint32_t good = 0;                               // nearest frames that are good
+    uint32_t unreachable = 0; // live frames that no map frame is near to: failures
+    std::vector<FrameMatch> matches;
+};
+
+// A query against one reference.
+struct PairResult {
+    size_t reference; // traversal
+    Outcome outcome;
+    std::vector<double> neuron_emd_bins; // [neurons]; their mean is the distance of method "vdna"
+};
+
+// One traversal in the role of the live one.
+struct QueryResult {
+    size_t traversal;
+    uint32_t warmup_frames;     // the first frames: what the live Visual DNA is made from
+    std::vector<uint32_t> live; // frames that are localised
+    std::vector<float> range;   // [neurons][2], from the references only
+    std::vector<PairResult> pairs;
+    Outcome all; // in all references at once: the composite map
+};
+
+// One way to predict which reference is best.
+struct MethodResult {
+    std::string name;             // "vdna", "fd", "pixel", "random", or "vdna:TAP"
+    std::vector<double> distance; // [queries][references], NaN where there is no pair; empty for
+                                  // "random", whose metrics are exact expectations
+    vdna_ranking_metrics metrics; // percentages as percentages
+};
+
+struct Evaluation {
+    std::string dataset;         // its path
+    vdna_backbone_info backbone; // `taps` and `neurons` are those that were used
+    uint32_t bins = 0;
+    std::string warmup; // "100" frames or "45s"
+    double tolerance = 0;
+    Unit unit = Unit::none; // of the tolerance
+    uint32_t stride = 1;    // every stride-th frame after the warmup is localised
+    uint64_t cached = 0;    // frames whose activations were taken from the cache
+    uint64_t computed = 0;  // frames that went through the network
+
+    const std::vector<Traversal> *traversals = nullptr; // borrowed
+    std::vector<QueryResult> queries;
+    std::vector<size_t> references;    // traversals: the columns of the tables below
+    std::vector<double> recall;        // [queries][references], percent; NaN where there is no pair
+    std::vector<MethodResult> methods; // "vdna" first
+};
+
+// Distances of the embeddings, [live frames][map frames]: the difference matrix.
+std::vector<float> difference_matrix(const Evaluation &evaluation, const QueryResult &query,
+                                     size_t reference);
+
+// How far apart the frames were taken, in the unit of the tolerance, as difference_matrix().
+std::vector<float> ground_truth_matrix(const Evaluation &evaluation, const QueryResult &query,
+                                       size_t reference);
+
+} // namespace vdna

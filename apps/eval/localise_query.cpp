@@ -1,0 +1,100 @@
+#include "localise_query.hpp"
+
+#include <algorithm>
+
+#include "error.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+// Append frame i of another recording.
+void append(Recording &to, const Recording &from, uint32_t i, uint32_t dim)
+{
+    to.frames++;
+    if (!from.place.empty())
+        to.place.push_back(from.place[i]);
+    if (!from.position.empty())
+        to.position.insert(to.position.end(), &from.position[size_t{3} * i],
+                           &from.position[size_t{3} * i] + 3);
+    to.embeddings.insert(to.embeddings.end(), &from.embeddings[size_t{dim} * i],
+                         &from.embeddings[size_t{dim} * i] + dim);
+}
+
+// One experience of all frames of these traversals, one after the other.
+Recording joined(const QueryTask &task, const std::vector<size_t> &references)
+{
+    Recording all;
+    for (const size_t reference : references) {
+        const Recording &recording = task.traversals[reference].recording;
+        for (uint32_t i = 0; i < recording.frames; i++)
+            append(all, recording, i, task.dim);
+    }
+    return all;
+}
+
+// Which traversal a frame of joined() is from; makes `frame` that traversal's.
+size_t split(const QueryTask &task, const std::vector<size_t> &references, uint32_t &frame)
+{
+    for (const size_t reference : references) {
+        const uint32_t frames = task.traversals[reference].recording.frames;
+        if (frame < frames)
+            return reference;
+        frame -= frames;
+    }
+    throw Error("a match lies outside of its map"); // cannot be
+}
+
+} // namespace
+
+vdna_experience map_of(const Recording &recording, uint32_t dim)
+{
+    vdna_experience map{};
+    map.frames = recording.frames;
+    map.dim = dim;
+    map.embeddings = recording.embeddings.data();
+    map.frame_place = recording.place.empty() ? nullptr : recording.place.data();
+    map.frame_position = recording.position.empty() ? nullptr : recording.position.data();
+    return map;
+}
+
+Outcome localise_query(const QueryTask &task, const std::vector<size_t> &references)
+{
+    const Recording &traversal = task.traversals[task.query.traversal].recording;
+    Recording live;
+    for (const uint32_t i : task.query.live)
+        append(live, traversal, i, task.dim);
+    const Recording recording = joined(task, references);
+    const vdna_experience map = map_of(recording, task.dim);
+    const Localisation found = localise_in(map, live, task.tolerance, recall_depths.back());
+
+    Outcome outcome{{}, found.good(), found.unreachable(), {}};
+    for (size_t i = 0; i < recall_depths.size(); i++)
+        outcome.recall[i] = found.recall_percent(recall_depths[i]);
+    for (size_t i = 0; i < found.matches.size(); i++) {
+        const Match &match = found.matches[i];
+        uint32_t frame = match.frame;
+        const size_t reference = split(task, references, frame);
+        outcome.matches.push_back(
+            {task.query.live[i], reference, frame, match.distance, match.good, match.reachable});
+    }
+    return outcome;
+}
+
+Unit unit_of(const std::vector<Traversal> &traversals)
+{
+    const auto all = [&](auto has) {
+        return std::all_of(traversals.begin(), traversals.end(),
+                           [&](const Traversal &t) { return has(t.recording); });
+    };
+    if (all([](const Recording &r) { return !r.position.empty(); }))
+        return Unit::metres;
+    if (all([](const Recording &r) { return !r.place.empty(); }))
+        return Unit::places;
+    throw Error("the traversals are not labelled alike, expected positions or place numbers in all "
+                "of them");
+}
+
+} // namespace vdna

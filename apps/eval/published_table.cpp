@@ -1,0 +1,137 @@
+#include "published_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "check.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+constexpr double no_pair = std::numeric_limits<double>::quiet_NaN();
+
+// A member of the JSON text, with its path for complaints: "FILE: recall.fall.winter".
+struct Member {
+    const Json &json;
+    std::string path;
+
+    [[noreturn]] void fail(const std::string &expected) const
+    {
+        throw Error(path + ": is " +
+                    json.dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 60) +
+                    ", expected " + expected);
+    }
+
+    void require_object(const std::string &expected) const
+    {
+        if (!json.is_object())
+            fail(expected);
+    }
+};
+
+std::vector<Member> members_of(const Member &object)
+{
+    std::vector<Member> members;
+    for (const auto &[name, value] : object.json.items())
+        members.push_back({value, object.path + "." + name});
+    return members;
+}
+
+std::vector<std::string> names_in(const Json &object)
+{
+    std::vector<std::string> names;
+    for (const auto &item : object.items())
+        names.push_back(item.key());
+    return names;
+}
+
+// The names of all references, in the order in which they come.
+std::vector<std::string> references_in(const Json &recall)
+{
+    std::vector<std::string> references;
+    for (const Json &row : recall)
+        for (const std::string &name : names_in(row))
+            if (name != "all" &&
+                std::find(references.begin(), references.end(), name) == references.end())
+                references.push_back(name);
+    return references;
+}
+
+// {query: {reference: number or null}} as a table of these queries and references.
+std::vector<double> table_of(const Member &object, const std::vector<std::string> &queries,
+                             const std::vector<std::string> &references)
+{
+    object.require_object("an object of queries");
+    for (const Member &row : members_of(object)) {
+        row.require_object("an object of references");
+        for (const Member &cell : members_of(row))
+            if (!cell.json.is_number() && !cell.json.is_null())
+                cell.fail("a number");
+    }
+    std::vector<double> table;
+    for (const std::string &query : queries)
+        for (const std::string &reference : references) {
+            const bool there = object.json.contains(query) &&
+                               object.json[query].contains(reference) &&
+                               !object.json[query][reference].is_null();
+            table.push_back(there ? object.json[query][reference].get<double>() : no_pair);
+        }
+    return table;
+}
+
+Member member_of(const Json &json, const char *name, const std::string &where)
+{
+    if (!json.is_object() || !json.contains(name))
+        throw Error(where + ": no member \"" + name +
+                    "\", expected an object with \"recall\" and \"distance\" as `vdna eval --json` "
+                    "writes it");
+    return {json[name], where + ": " + name};
+}
+
+} // namespace
+
+std::vector<MethodResult> judge_published(const Json &json, const std::string &where)
+{
+    const Member recall_member = member_of(json, "recall", where);
+    const Member distance_member = member_of(json, "distance", where);
+    recall_member.require_object("an object of queries");
+    distance_member.require_object("an object of methods");
+    for (const Member &row : members_of(recall_member))
+        row.require_object("an object of references");
+
+    const std::vector<std::string> queries = names_in(recall_member.json);
+    const std::vector<std::string> references = references_in(recall_member.json);
+    const std::vector<double> recall = table_of(recall_member, queries, references);
+    const auto judge = [&](const std::string &name, const std::string &path,
+                           const std::vector<double> &distance) {
+        std::vector<double> common = recall;
+        for (size_t i = 0; i < distance.size(); i++)
+            if (std::isnan(distance[i]))
+                common[i] = no_pair;
+        if (std::all_of(common.begin(), common.end(), [](double r) { return std::isnan(r); }))
+            throw Error(path + ": has no query and reference in common with recall");
+        const vdna_ranking_table table = {
+            common.data(), distance.empty() ? nullptr : distance.data(),
+            static_cast<uint32_t>(queries.size()), static_cast<uint32_t>(references.size())};
+        MethodResult result{name, distance, {}};
+        require_ok(vdna_judge_ranking(&table, &result.metrics), path);
+        return result;
+    };
+    std::vector<MethodResult> results;
+    for (const auto &[name, value] : distance_member.json.items()) {
+        const Member method{value, distance_member.path + "." + name};
+        results.push_back(judge(name, method.path, table_of(method, queries, references)));
+    }
+    const auto is_random = [](const MethodResult &result) { return result.name == "random"; };
+    if (std::any_of(results.begin(), results.end(), is_random))
+        throw Error(distance_member.path + ".random: is given, but random is the expectation over "
+                                           "all rankings; remove it");
+    results.push_back(judge("random", recall_member.path, {}));
+    return results;
+}
+
+} // namespace vdna

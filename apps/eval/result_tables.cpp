@@ -1,0 +1,257 @@
+#include "result_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "placing.hpp"
+#include "print.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+constexpr size_t line_width = 100; // tables that are wider are broken into several
+
+// Cells in columns; the first row is the header.
+class TextTable
+{
+  public:
+    void begin_row() { rows_.emplace_back(); }
+    // marked: the escape sequence before the text, "" for none.
+    void add(const std::string &text, const std::string &marked = "")
+    {
+        const size_t column = rows_.back().size();
+        if (column == widths_.size())
+            widths_.push_back(0);
+        widths_[column] = std::max(widths_[column], text.size());
+        rows_.back().push_back({text, marked});
+    }
+
+    // Left-aligned, two blanks between columns.
+    std::string text() const
+    {
+        std::string text;
+        for (const std::vector<Cell> &row : rows_) {
+            std::string line;
+            for (size_t i = 0; i < row.size(); i++) {
+                const std::string blanks(widths_[i] - row[i].text.size() + 2, ' ');
+                line += row[i].mark.empty() ? row[i].text : row[i].mark + row[i].text + "\x1b[0m";
+                line += i + 1 < row.size() ? blanks : "";
+            }
+            text += line + "\n";
+        }
+        return text;
+    }
+
+  private:
+    struct Cell {
+        std::string text, mark;
+    };
+    std::vector<std::vector<Cell>> rows_;
+    std::vector<size_t> widths_;
+};
+
+// Short enough to compare at a glance, long enough not to hide a difference.
+std::string distance_text(double value)
+{
+    return fixed(value, std::abs(value) < 1 ? 3 : 2);
+}
+
+// Queries that fit on a line, [begin, end), of one group.
+struct Block {
+    size_t begin, end;
+};
+
+// What a column needs: "98.98 - summer **".
+size_t column_width(const Evaluation &evaluation)
+{
+    size_t longest = 0;
+    for (const Traversal &traversal : *evaluation.traversals)
+        longest = std::max(longest, traversal.name.size());
+    return longest + 14;
+}
+
+std::vector<Block> blocks_of(const Evaluation &evaluation)
+{
+    const std::vector<Traversal> &traversals = *evaluation.traversals;
+    const size_t most = std::max<size_t>(line_width / column_width(evaluation), 1);
+    std::vector<Block> blocks;
+    for (size_t q = 0; q < evaluation.queries.size(); q++) {
+        const std::string &group = traversals[evaluation.queries[q].traversal].group;
+        if (blocks.empty() || q - blocks.back().begin == most ||
+            traversals[evaluation.queries[blocks.back().begin].traversal].group != group)
+            blocks.push_back({q, q});
+        blocks.back().end = q + 1;
+    }
+    return blocks;
+}
+
+// The mark of a misplaced reference: an escape sequence, or text after its name.
+std::string colour_of(uint32_t off)
+{
+    return off == 0 ? "" : off == 1 ? "\x1b[38;5;208m" : "\x1b[31m";
+}
+
+std::string stars_of(uint32_t off)
+{
+    return off == 0 ? "" : off == 1 ? " *" : " **";
+}
+
+// Rankings as columns. Text: of a place's value.
+template <typename Text>
+void add_places(const Evaluation &evaluation, const std::vector<std::vector<Place>> &columns,
+                bool colour, Text text, TextTable &table)
+{
+    size_t longest = 0;
+    for (const std::vector<Place> &places : columns)
+        longest = std::max(longest, places.size());
+    for (size_t rank = 0; rank < longest; rank++) {
+        table.begin_row();
+        for (const std::vector<Place> &places : columns) {
+            if (rank >= places.size()) {
+                table.add("");
+                continue;
+            }
+            const Place &place = places[rank];
+            const std::string name = (*evaluation.traversals)[place.reference].name;
+            table.add(text(place.value) + " - " + name + (colour ? "" : stars_of(place.off)),
+                      colour ? colour_of(place.off) : "");
+        }
+    }
+}
+
+std::string recall_table(const Evaluation &evaluation, const Block &block)
+{
+    TextTable table;
+    std::vector<std::vector<Place>> columns;
+    table.begin_row();
+    for (size_t q = block.begin; q < block.end; q++) {
+        const QueryResult &query = evaluation.queries[q];
+        table.add((*evaluation.traversals)[query.traversal].name + " / " +
+                  fixed(query.all.recall[0], 2));
+        columns.push_back(true_places(evaluation, q));
+    }
+    add_places(evaluation, columns, false, [](double value) { return fixed(value, 2); }, table);
+    return table.text();
+}
+
+std::string method_table(const Evaluation &evaluation, const Block &block,
+                         const MethodResult &method, bool colour)
+{
+    TextTable table;
+    std::vector<std::vector<Place>> columns;
+    table.begin_row();
+    for (size_t q = block.begin; q < block.end; q++) {
+        table.add((*evaluation.traversals)[evaluation.queries[q].traversal].name);
+        columns.push_back(predicted_places(evaluation, q, method));
+    }
+    add_places(evaluation, columns, colour, distance_text, table);
+    return table.text();
+}
+
+std::string title_of(const std::string &method)
+{
+    if (method == "vdna")
+        return "Visual DNA, Earth Mover's Distance in bins";
+    if (method == "fd")
+        return "Frechet distance";
+    return method == "pixel" ? "pixel intensity, grey levels" : method + ", bins";
+}
+
+// Live frames that could not be localised however well.
+std::string unreachable_text(const Evaluation &evaluation)
+{
+    std::string text;
+    for (const QueryResult &query : evaluation.queries)
+        for (const PairResult &pair : query.pairs)
+            if (pair.outcome.unreachable > 0)
+                text += "  " + (*evaluation.traversals)[query.traversal].name + " in " +
+                        (*evaluation.traversals)[pair.reference].name + ": " +
+                        std::to_string(pair.outcome.unreachable) + " of " +
+                        std::to_string(pair.outcome.matches.size()) + "\n";
+    return text.empty() ? ""
+                        : "\nLive frames without a map frame within tolerance (failures):\n" + text;
+}
+
+std::string number(double value, int digits)
+{
+    return std::isnan(value) ? "-" : fixed(value, digits);
+}
+
+std::string summary_of(const Evaluation &evaluation)
+{
+    return evaluation.dataset + ": " + std::to_string(evaluation.queries.size()) + " queries, " +
+           std::to_string(evaluation.references.size()) + " references; " +
+           evaluation.backbone.name + ", " + std::to_string(evaluation.backbone.neurons) +
+           " neurons, " + std::to_string(evaluation.bins) + " bins; warmup " + evaluation.warmup +
+           (evaluation.warmup.back() == 's' ? "" : " frames") + ", tolerance " +
+           Json(evaluation.tolerance).dump() + " " + name_of(evaluation.unit) + ", stride " +
+           std::to_string(evaluation.stride) + "\n";
+}
+
+} // namespace
+
+std::string tables_of(const Evaluation &evaluation, bool colour)
+{
+    std::string text = summary_of(evaluation);
+    const std::vector<Block> blocks = blocks_of(evaluation);
+    text += "\nRecall@1 in percent; query / in all references at once\n";
+    for (const Block &block : blocks)
+        text += (block.begin > 0 ? "\n" : "") + recall_table(evaluation, block);
+    for (const MethodResult &method : evaluation.methods) {
+        if (method.distance.empty())
+            continue;
+        text += "\n" + title_of(method.name) + "\n";
+        for (const Block &block : blocks)
+            text += (block.begin > 0 ? "\n" : "") + method_table(evaluation, block, method, colour);
+    }
+    return text + unreachable_text(evaluation) + "\n" + error_table(evaluation.methods);
+}
+
+std::string error_table(const std::vector<MethodResult> &methods)
+{
+    TextTable table;
+    table.begin_row();
+    for (const char *title : {"method", "ranking error/%", "half-L1/%", "regret/%", "Kendall tau",
+                              "Pearson", "Spearman", "pooled Pearson", "pooled Spearman"})
+        table.add(title);
+    for (const MethodResult &method : methods) {
+        const vdna_ranking_metrics &m = method.metrics;
+        table.begin_row();
+        table.add(method.name);
+        for (const double percent : {m.ranking_error_swap_once, m.ranking_error_half_l1, m.regret})
+            table.add(number(percent, 3));
+        for (const double coefficient : {m.kendall_tau, m.pearson_within, m.spearman_within,
+                                         m.pearson_pooled, m.spearman_pooled})
+            table.add(number(coefficient, 3));
+    }
+    return table.text();
+}
+
+std::string table_of(const Ablation &ablation)
+{
+    TextTable table;
+    table.begin_row();
+    table.add(ablation.kind);
+    for (const MethodResult &method : ablation.rows.front().methods) {
+        if (method.name.find(':') != std::string::npos)
+            continue; // one tap among several
+        table.add(method.name + " error/%");
+        table.add("regret/%");
+    }
+    for (const AblationRow &row : ablation.rows) {
+        table.begin_row();
+        table.add(row.value);
+        for (const MethodResult &method : row.methods) {
+            if (method.name.find(':') != std::string::npos)
+                continue;
+            table.add(number(method.metrics.ranking_error_swap_once, 3));
+            table.add(number(method.metrics.regret, 3));
+        }
+    }
+    return table.text();
+}
+
+} // namespace vdna

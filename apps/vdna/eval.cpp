@@ -1,0 +1,289 @@
+// vdna eval - the paper's evaluation on a data set.
+#include <algorithm>
+#include <set>
+
+#include <unistd.h>
+
+#include "commands.hpp"
+#include "eval/ablation.hpp"
+#include "eval/report/report.hpp"
+#include "eval/result_json.hpp"
+#include "eval/result_npy.hpp"
+#include "eval/result_tables.hpp"
+#include "options.hpp"
+#include "ranges.hpp"
+#include "warmup.hpp"
+#include "whole_file.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+struct EvalOptions {
+    std::string dataset;
+    std::string format; // "" = detected
+    size_t partition_frames = nordland_partition_frames;
+    NetworkOptions network;
+    FramesOptions frames;
+    std::vector<std::string> exclude, queries, references, taps;
+    std::vector<std::string> warmup;
+    std::vector<uint32_t> bins;
+    std::optional<double> tolerance;
+    std::optional<uint32_t> stride;
+    uint32_t range_rule = VDNA_RANGE_ABOUT_MIDPOINT;
+    std::vector<std::string> ablate;
+    std::string cache, json, csv, npy, html;
+    std::string command_line; // as it was given
+};
+
+bool contains(const std::vector<std::string> &names, const std::string &name)
+{
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void require_known(const Dataset &dataset, const std::vector<std::string> &names,
+                   const std::string &option)
+{
+    std::string known;
+    for (const DatasetTraversal &traversal : dataset.traversals)
+        known += " " + traversal.name;
+    for (const std::string &name : names)
+        if (std::none_of(dataset.traversals.begin(), dataset.traversals.end(),
+                         [&](const DatasetTraversal &t) { return t.name == name; }))
+            throw Error(option + ": no traversal '" + name + "' in " + dataset.path +
+                            ", expected one of:" + known,
+                        exit_usage);
+}
+
+// Only the traversals that take part go through the network.
+Dataset dataset_of(const EvalOptions &o)
+{
+    Dataset dataset = load_dataset(o.dataset, o.format, o.partition_frames);
+    require_known(dataset, o.exclude, "--exclude");
+    require_known(dataset, o.queries, "--queries");
+    require_known(dataset, o.references, "--references");
+    const auto is_idle = [&](const DatasetTraversal &t) {
+        const bool query = o.queries.empty() || contains(o.queries, t.name);
+        const bool reference = o.references.empty() || contains(o.references, t.name);
+        return contains(o.exclude, t.name) || (!query && !reference);
+    };
+    dataset.traversals.erase(
+        std::remove_if(dataset.traversals.begin(), dataset.traversals.end(), is_idle),
+        dataset.traversals.end());
+    if (dataset.traversals.size() < 2)
+        throw Error(o.dataset + ": the options leave fewer than two traversals to compare",
+                    exit_usage);
+    return dataset;
+}
+
+// The data set's own, else two fifths of the shortest traversal, but at most the paper's 100.
+std::string usual_warmup(const Dataset &dataset)
+{
+    if (!dataset.warmup.empty())
+        return dataset.warmup;
+    size_t shortest = 250;
+    for (const DatasetTraversal &traversal : dataset.traversals)
+        shortest = std::min(shortest, traversal.frames.size());
+    return std::to_string(std::max<size_t>(shortest * 2 / 5, 2));
+}
+
+// A list is for an ablation; a single value is a setting.
+template <typename Value>
+void require_single(const std::vector<Value> &values, const std::string &option,
+                    const std::vector<std::string> &ablate, const std::string &kind)
+{
+    if (values.size() > 1 && !contains(ablate, kind))
+        throw Error(option + ": found " + std::to_string(values.size()) +
+                        " values, expected one; a list needs --ablate " + kind,
+                    exit_usage);
+}
+
+EvaluationSettings settings_of(const EvalOptions &o, const Dataset &dataset)
+{
+    require_single(o.bins, "--bins", o.ablate, "bins");
+    require_single(o.warmup, "--warmup", o.ablate, "warmup");
+    for (const std::string &text : o.warmup)
+        warmup_of(text);
+    EvaluationSettings settings;
+    settings.bins = o.bins.size() == 1 ? o.bins[0] : VDNA_HIST_BINS_DEFAULT;
+    settings.warmup = o.warmup.size() == 1 ? o.warmup[0] : usual_warmup(dataset);
+    settings.tolerance = o.tolerance.value_or(dataset.tolerance);
+    settings.stride = o.stride.value_or(dataset.stride);
+    settings.taps = o.taps;
+    settings.queries = o.queries;
+    settings.references = o.references;
+    return settings;
+}
+
+void write_results(const EvalOptions &o, const Evaluation &evaluation,
+                   const std::vector<Ablation> &ablations)
+{
+    if (o.json == "-")
+        print_json(json_of(evaluation, ablations));
+    else
+        std::cout << tables_of(evaluation, isatty(STDOUT_FILENO) == 1);
+    for (const Ablation &ablation : ablations)
+        if (o.json != "-")
+            std::cout << "\nAblation: " << ablation.kind << '\n' << table_of(ablation);
+    if (!o.json.empty() && o.json != "-")
+        write_whole_file(
+            o.json,
+            json_of(evaluation, ablations).dump(2, ' ', false, Json::error_handler_t::replace) +
+                "\n");
+    if (!o.csv.empty())
+        write_whole_file(o.csv, csv_of(evaluation));
+    if (!o.npy.empty())
+        write_npy_files(evaluation, o.npy);
+    if (!o.html.empty())
+        write_whole_file(o.html, report_of(evaluation, ablations, o.command_line));
+}
+
+// What was given on the command line, in the order of the help.
+std::string command_line_of(const CLI::App &command)
+{
+    std::string line = "vdna " + command.get_name();
+    for (const CLI::Option *option : command.get_options()) {
+        if (option->count() == 0)
+            continue;
+        if (!option->get_positional())
+            line += " " + option->get_name();
+        if (option->get_items_expected_max() > 0)
+            line += " " + CLI::detail::join(option->results(), ",");
+    }
+    return line;
+}
+
+void run(const EvalOptions &o)
+{
+    const Dataset dataset = dataset_of(o);
+    const EvaluationSettings settings = settings_of(o, dataset);
+    Backbone backbone(o.network.backbone.empty() ? default_backbone : o.network.backbone,
+                      o.network.threads);
+    const FrameCache cache(o.cache, backbone.info());
+    Frames frames(dataset, backbone, cache, o.frames);
+    Binning binning(frames, o.taps, o.range_rule);
+    Evaluation evaluation = evaluate(frames, binning, settings);
+    evaluation.dataset = o.dataset;
+    std::vector<Ablation> ablations;
+    for (const std::string &kind : o.ablate)
+        ablations.push_back(ablate(frames, settings, {kind, o.bins, o.warmup, o.range_rule}));
+    write_results(o, evaluation, ablations);
+}
+
+void add_dataset_options(CLI::App &command, EvalOptions &o)
+{
+    command.add_option("DATASET", o.dataset, "directory of the data set")
+        ->type_name("")
+        ->required();
+    command
+        .add_option("--format,--protocol", o.format,
+                    "folders (labels.csv in each), manifest (manifest.csv), nordland, parks (as "
+                    "folders, but 45 s of warmup and GPS), utm (positions in picture names); "
+                    "default: found out, except parks")
+        ->check(CLI::IsMember(dataset_formats).description(""))
+        ->type_name("NAME");
+    command
+        .add_option("--partition-frames", o.partition_frames,
+                    "frames of a partition, where a Nordland season is one folder")
+        ->check(CLI::Range(size_t{1}, size_t{1} << 32).description(""))
+        ->type_name("N")
+        ->capture_default_str();
+    command.add_option("--queries", o.queries, "traversals to be the live one (default: all)")
+        ->delimiter(',')
+        ->type_name("NAME");
+    command.add_option("--references", o.references, "traversals of the map (default: all)")
+        ->delimiter(',')
+        ->type_name("NAME");
+    command.add_option("--exclude", o.exclude, "leave these traversals out altogether")
+        ->delimiter(',')
+        ->type_name("NAME");
+    command.add_option("--rate", o.frames.rate_hz, "frames per second, if labels carry no utime")
+        ->check(CLI::Validator(CLI::PositiveNumber).description(""))
+        ->type_name("HZ")
+        ->capture_default_str();
+    command.add_flag("--skip-bad", o.frames.skip_bad,
+                     "leave out pictures that cannot be decoded, and count them");
+}
+
+void add_protocol_options(CLI::App &command, EvalOptions &o)
+{
+    command
+        .add_option("--warmup", o.warmup,
+                    "first N frames or T seconds of the live traversal (default: the data set's; "
+                    "else two fifths of the shortest, at most 100 frames)")
+        ->delimiter(',')
+        ->type_name("N|Ts");
+    command
+        .add_option("--tolerance", o.tolerance,
+                    "a match is good within so many places or metres (default: the data set's; 5)")
+        ->check(CLI::Validator(CLI::NonNegativeNumber).description(""))
+        ->type_name("T");
+    command
+        .add_option("--stride", o.stride,
+                    "localise every S-th frame after the warmup (default: 1, Nordland 5)")
+        ->check(CLI::Range(uint32_t{1}, UINT32_MAX).description(""))
+        ->type_name("S");
+    command.add_option("--taps", o.taps, "activation taps to count (default: all)")
+        ->delimiter(',')
+        ->type_name("NAME");
+    command.add_option("--bins", o.bins, "bins per neuron (default: 1000)")
+        ->delimiter(',')
+        ->check(CLI::Range(VDNA_HIST_BINS_MIN, VDNA_HIST_BINS_MAX).description(""))
+        ->type_name("2..65536");
+    add_range_rule_option(command, o.range_rule);
+    command
+        .add_option("--ablate", o.ablate,
+                    "also change one thing and tell what becomes of the ranking: bins, warmup "
+                    "(--bins and --warmup may then be lists: 10,50,100), tap, leave-one-out")
+        ->delimiter(',')
+        ->check(CLI::IsMember(ablation_kinds).description(""))
+        ->type_name("WHAT");
+}
+
+void add_output_options(CLI::App &command, EvalOptions &o)
+{
+    command
+        .add_option("--cache", o.cache,
+                    "directory of activations, by content (default: $XDG_CACHE_HOME/vdna)")
+        ->type_name("DIR");
+    command.add_option("--json", o.json, "write the results as JSON; - is standard output")
+        ->type_name("FILE");
+    command.add_option("--csv", o.csv, "write a row for each query and reference")
+        ->type_name("FILE");
+    command
+        .add_option("--npy", o.npy, "write matrices and embeddings for NumPy, index.json with them")
+        ->type_name("DIR");
+    command
+        .add_option("--html", o.html,
+                    "write a report to read in a browser: one file with tables, charts, pictures")
+        ->type_name("FILE");
+}
+
+} // namespace
+
+void add_eval(CLI::App &app)
+{
+    CLI::App *command = app.add_subcommand(
+        "eval", "Evaluate ranking and localisation on a data set, as the paper does");
+    const auto options = std::make_shared<EvalOptions>();
+    add_dataset_options(*command, *options);
+    add_network_options(*command, options->network, default_backbone);
+    add_protocol_options(*command, *options);
+    add_output_options(*command, *options);
+    command->footer(
+        "Each traversal in turn is the live one: its warmup ranks the others, its other frames are "
+        "localised in each. Misplaced references are orange (one rank) or red (more), * or ** in "
+        "files. A run that was interrupted goes on where it was.\n\n"
+        "Examples:\n"
+        "  vdna eval runs/ --tolerance 5 --json result.json\n"
+        "  vdna eval nordland/ --protocol nordland --backbone cosplace_resnet101_128\n"
+        "  vdna eval runs/ --ablate bins --bins 10,100,1000");
+    command->callback([options, command] {
+        options->command_line = command_line_of(*command);
+        run(*options);
+    });
+}
+
+} // namespace vdna

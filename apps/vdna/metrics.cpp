@@ -1,0 +1,69 @@
+// vdna metrics - judge published tables of recalls and distances, without pictures.
+#include <fstream>
+
+#include "commands.hpp"
+#include "eval/published_table.hpp"
+#include "eval/result_json.hpp"
+#include "eval/result_tables.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+struct MetricsOptions {
+    std::string file;
+    bool json = false;
+};
+
+Json read_json(const std::string &file)
+{
+    try {
+        if (file == "-")
+            return Json::parse(std::cin);
+        std::ifstream stream(file, std::ios::binary);
+        if (!stream)
+            throw Error(file + ": cannot open, expected a JSON file of recalls and distances");
+        return Json::parse(stream);
+    } catch (const Json::exception &e) {
+        throw Error(file + ": not JSON: " + e.what());
+    }
+}
+
+void judge(const MetricsOptions &options)
+{
+    const std::vector<MethodResult> results = judge_published(
+        read_json(options.file), options.file == "-" ? "standard input" : options.file);
+    if (!options.json) {
+        std::cout << error_table(results);
+        return;
+    }
+    Json methods = Json::object();
+    for (const MethodResult &result : results)
+        methods[result.name] = json_of(result.metrics);
+    print_json({{"methods", methods}});
+}
+
+} // namespace
+
+void add_metrics(CLI::App &app)
+{
+    CLI::App *command = app.add_subcommand(
+        "metrics", "Judge tables of recalls and distances, published ones for example");
+    const auto options = std::make_shared<MetricsOptions>();
+    command
+        ->add_option(
+            "FILE", options->file,
+            "JSON with \"recall\" and \"distance\" as `vdna eval --json` writes them; - is "
+            "standard input")
+        ->type_name("")
+        ->required();
+    command->add_flag("--json", options->json, "report as JSON");
+    command->footer("Pairs may be missing: a method is judged by those that it and recall have.\n\n"
+                    "Example:\n"
+                    "  vdna metrics table1.json --json");
+    command->callback([options] { judge(*options); });
+}
+
+} // namespace vdna

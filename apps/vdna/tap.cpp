@@ -1,0 +1,46 @@
+#include "tap.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <numeric>
+
+#include "error.hpp"
+
+namespace vdna
+{
+
+std::vector<Tap> taps_of(const std::string &text, uint32_t neurons)
+{
+    std::vector<Tap> taps;
+    size_t at = 0, begin = 0;
+    while (at < text.size()) {
+        const size_t next = std::min(text.find(',', at), text.size());
+        const std::string entry = text.substr(at, next - at);
+        const size_t samples = entry.rfind(':');
+        const size_t count = samples == std::string::npos || samples == 0
+                                 ? std::string::npos
+                                 : entry.rfind(':', samples - 1);
+        size_t size = 0;
+        if (count == std::string::npos ||
+            std::from_chars(&entry[count + 1], &entry[samples], size).ptr != &entry[samples] ||
+            size > neurons - begin)
+            throw Error("taps '" + text + "' do not say where each tap's neurons are");
+        taps.push_back({entry.substr(0, count), begin, begin + size, entry});
+        begin += size;
+        at = next + 1;
+    }
+    return taps;
+}
+
+std::vector<double> tap_means(const std::vector<double> &neurons, const std::vector<Tap> &taps)
+{
+    std::vector<double> means;
+    for (const Tap &tap : taps) {
+        const double sum =
+            std::accumulate(&neurons[tap.begin], &neurons[tap.begin] + (tap.end - tap.begin), 0.0);
+        means.push_back(sum / static_cast<double>(std::max<size_t>(tap.end - tap.begin, 1)));
+    }
+    return means;
+}
+
+} // namespace vdna
