@@ -14,60 +14,16 @@ from pathlib import Path
 VDNA = Path(os.environ["VDNA_BIN"]) / "vdna"
 
 
-def percent(counts, of=196):
-    return {query: {reference: 100 * count / of for reference, count in row.items()}
-            for query, row in counts.items()}
+TABLES = Path(__file__).parent.parent / "golden" / "published"
 
 
-# Nordland test:2, CosPlace. "all" is the map of all references.
-TEST_2 = {
-    "recall": percent({
-        "fall": {"summer": 194, "spring": 166, "winter": 82, "all": 194},
-        "winter": {"spring": 120, "summer": 95, "fall": 79, "all": 120},
-        "summer": {"fall": 195, "spring": 166, "winter": 90, "all": 195},
-        "spring": {"fall": 167, "summer": 163, "winter": 106, "all": 172}}),
-    "distance": {
-        "vdna": {"fall": {"summer": 5.68, "spring": 6.71, "winter": 11.53},
-                 "winter": {"spring": 9.11, "summer": 11.22, "fall": 11.27},
-                 "summer": {"fall": 5.41, "spring": 6.67, "winter": 10.94},
-                 "spring": {"fall": 8.05, "summer": 8.23, "winter": 9.63}},
-        "fd": {"fall": {"summer": .264, "spring": .308, "winter": .615},
-               "winter": {"spring": .435, "summer": .568, "fall": .566},
-               "summer": {"fall": .252, "spring": .306, "winter": .583},
-               "spring": {"fall": .371, "summer": .384, "winter": .476}},
-        "pixel": {"fall": {"summer": 9.35, "spring": 15.45, "winter": 20.97},
-                  "winter": {"spring": 5.38, "summer": 30.19, "fall": 27.50},
-                  "summer": {"fall": 7.91, "spring": 14.21, "winter": 19.73},
-                  "spring": {"fall": 26.48, "summer": 29.17, "winter": 1.15}}}}
+def published(name):
+    return json.loads((TABLES / f"{name}.json").read_text())
 
-# Nordland test:1, CosPlace.
-TEST_1 = {
-    "recall": {
-        "fall": {"summer": 100, "spring": 91.429, "winter": 77.143, "all": 100},
-        "winter": {"spring": 90.952, "summer": 89.048, "fall": 89.048, "all": 93.81},
-        "summer": {"fall": 100, "spring": 92.381, "winter": 79.048, "all": 100},
-        "spring": {"fall": 94.286, "summer": 92.857, "winter": 83.333, "all": 94.76}},
-    "distance": {
-        "vdna": {"fall": {"summer": 9.134, "spring": 9.724, "winter": 9.781},
-                 "winter": {"spring": 10.867, "fall": 11.311, "summer": 11.450},
-                 "summer": {"fall": 9.041, "spring": 9.480, "winter": 9.939},
-                 "spring": {"summer": 9.951, "fall": 9.969, "winter": 10.036}},
-        "fd": {"fall": {"summer": .671, "spring": .694, "winter": .727},
-               "winter": {"spring": .767, "fall": .809, "summer": .824},
-               "summer": {"fall": .656, "spring": .676, "winter": .724},
-               "spring": {"winter": .722, "summer": .734, "fall": .742}},
-        "pixel": {"fall": {"summer": 21.705, "winter": 38.738, "spring": 66.083},
-                  "winter": {"fall": 6.151, "summer": 7.714, "spring": 52.092},
-                  "summer": {"fall": 15.081, "winter": 15.817, "spring": 43.162},
-                  "spring": {"winter": 21.595, "summer": 38.628, "fall": 52.493}}}}
 
-# University Parks, CosPlace.
-JULY = {"10:21": {"10:51": 43.6, "10:41": 41.8}, "10:41": {"10:51": 63.0, "10:21": 44.9},
-        "10:51": {"10:41": 63.4, "10:21": 42.5}}
-SEPTEMBER = {"17:13": {"09:33": 37.41, "13:41": 35.79, "13:24": 30.30},
-             "09:33": {"13:24": 56.36, "13:41": 55.84, "17:13": 19.59},
-             "13:24": {"13:41": 72.06, "09:33": 64.05, "17:13": 19.78},
-             "13:41": {"13:24": 70.86, "09:33": 63.37, "17:13": 29.99}}
+# All with CosPlace. "all" is the map of all references.
+TEST_2, TEST_1 = published("nordland_test2"), published("nordland_test1")
+JULY, SEPTEMBER = published("parks_july")["recall"], published("parks_september")["recall"]
 
 
 def ranks(orders):
