@@ -6,6 +6,7 @@ within 1e-6. The activations of the default backbone are its embeddings. Real pi
 where they, which may not be published, are not at VDNA_SHARED.
 """
 
+import hashlib
 import json
 import os
 import random
@@ -210,7 +211,9 @@ class Agreement(Evaluation):
         self.agrees(self.real_pictures("stromovka"), "--stride", 2)
 
 
-class Results(Evaluation):
+class OwnSet(Evaluation):
+    """Three traversals of one route; dusk shows exactly what dawn shows."""
+
     def setUp(self):
         super().setUp()
         self.dataset = self.folder / "set"
@@ -222,6 +225,8 @@ class Results(Evaluation):
                 rows.append(f"{i:03}.ppm,{i}")
             (self.dataset / name / "labels.csv").write_text("\n".join(rows) + "\n")
 
+
+class Results(OwnSet):
     def test_equal_traversals_recall_everything_and_have_the_least_distance(self):
         result = self.evaluate(self.dataset, "--tolerance", 0)
         self.assertEqual(result["recall"]["dawn"]["dusk"], 100)
@@ -327,6 +332,43 @@ class Results(Evaluation):
         (self.dataset / "dusk/005.ppm").write_bytes(b"P6\nnot a picture")
         self.assertIn("dusk/005.ppm", self.refused(self.dataset))
         self.assertEqual(self.evaluate(self.dataset, "--skip-bad")["frames"]["dusk"]["bad"], 1)
+
+
+class Taps(OwnSet):
+    """A network whose taps "map" and "tokens" hold the same numbers in two layouts."""
+
+    def setUp(self):
+        super().setUp()
+        model = Path(__file__).parent.parent / "support" / "tiny_network.onnx"
+        taps = "".join(f'[[taps]]\noutput = "{name}"\nlayout = "{layout}"\n' for name, layout in (
+            ("mean", "samples_neurons"), ("map", "neurons_samples"),
+            ("tokens", "samples_neurons")))
+        self.manifest = self.folder / "tiny.toml"
+        self.manifest.write_text(
+            f'name = "tiny"\nmodel = "{model}"\n'
+            f'sha256 = "{hashlib.sha256(model.read_bytes()).hexdigest()}"\n'
+            'source = "made"\nlicence = "MIT"\n[input]\nname = "image"\nwidth = 2\nheight = 2\n'
+            'colour = "RGB"\nmean = [0, 0, 0]\nstd = [1, 1, 1]\nresize = "stretch"\n'
+            f'interpolation = "area"\n{taps}'
+            '[embedding]\noutput = "mean"\nl2_normalise = false\n')
+
+    def test_layouts_do_not_matter_and_the_distance_is_the_mean_over_all_neurons(self):
+        distance = self.evaluate(self.dataset, "--backbone", self.manifest)["distance"]
+        for query, row in distance["vdna"].items():
+            for reference, value in row.items():
+                per_tap = [distance[f"vdna:{tap}"][query][reference]
+                           for tap in ("mean", "map", "tokens")]
+                self.assertEqual(per_tap[1], per_tap[2])
+                self.assertAlmostEqual(value, sum(per_tap) / 3, delta=1e-9)
+
+    def test_a_tap_by_itself_has_the_distance_that_it_has_among_all(self):
+        every = self.evaluate(self.dataset, "--backbone", self.manifest, "--ablate", "tap")
+        one = self.evaluate(self.dataset, "--backbone", self.manifest, "--taps", "map")
+        self.assertEqual(one["distance"]["vdna"], every["distance"]["vdna:map"])
+        self.assertEqual(one["taps"], "map:3:4")
+        self.assertEqual([row["value"] for row in every["ablations"]["tap"]],
+                         ["mean", "map", "tokens", "all of them"])
+        self.assertEqual(every["ablations"]["tap"][1]["methods"]["vdna"], one["methods"]["vdna"])
 
 
 class DataSets(Evaluation):
