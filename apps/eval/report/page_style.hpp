@@ -29,11 +29,12 @@ p { max-width: 46rem; margin: .5rem 0; }
 .scroll { overflow-x: auto; margin: 1rem 0; }
 table { border-collapse: collapse; font-size: .875rem; font-variant-numeric: tabular-nums; overflow-wrap: normal; }
 caption { text-align: left; font-weight: 600; padding: .25rem 0; }
+caption span { display: inline-block; position: sticky; left: 0; max-width: calc(100vw - 2rem); }
 th, td { padding: .3rem .7rem; text-align: left; white-space: nowrap; border-bottom: 1px solid var(--line); }
 thead th { border-bottom: 2px solid var(--line); vertical-align: bottom; }
-tbody th { font-weight: 500; }
+tbody th { font-weight: 500; position: sticky; left: 0; background: var(--paper); }
 .number { text-align: right; }
-.ours { background: var(--shade); font-weight: 600; }
+.ours, .ours th { background: var(--shade); font-weight: 600; }
 .one { background: var(--one); }
 .more { background: var(--more); }
 .legend span.one, .legend span.more { padding: .1rem .4rem; border-radius: .2rem; }
