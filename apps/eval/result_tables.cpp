@@ -160,19 +160,30 @@ std::string title_of(const std::string &method)
     return method == "pixel" ? "pixel intensity, grey levels" : method + ", bins";
 }
 
-// Live frames that could not be localised however well.
+// Live frames that could not be localised however well: one line per query.
 std::string unreachable_text(const Evaluation &evaluation)
 {
     std::string text;
-    for (const QueryResult &query : evaluation.queries)
+    for (const QueryResult &query : evaluation.queries) {
+        std::string line;
         for (const PairResult &pair : query.pairs)
             if (pair.outcome.unreachable > 0)
-                text += "  " + (*evaluation.traversals)[query.traversal].name + " in " +
-                        (*evaluation.traversals)[pair.reference].name + ": " +
-                        std::to_string(pair.outcome.unreachable) + " of " +
-                        std::to_string(pair.outcome.matches.size()) + "\n";
+                line += (line.empty() ? "" : ", ") + (*evaluation.traversals)[pair.reference].name +
+                        " " + std::to_string(pair.outcome.unreachable);
+        if (!line.empty())
+            text += "  " + (*evaluation.traversals)[query.traversal].name + ", of " +
+                    std::to_string(query.live.size()) + " in: " + line + "\n";
+    }
     return text.empty() ? ""
-                        : "\nLive frames without a map frame within tolerance (failures):\n" + text;
+                        : "\nLive frames without a map frame within tolerance (failures)\n" + text;
+}
+
+// Without zeros that say nothing.
+std::string shortest(double value)
+{
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", value);
+    return text;
 }
 
 std::string number(double value, int digits)
@@ -187,7 +198,7 @@ std::string summary_of(const Evaluation &evaluation)
            evaluation.backbone.name + ", " + std::to_string(evaluation.backbone.neurons) +
            " neurons, " + std::to_string(evaluation.bins) + " bins; warmup " + evaluation.warmup +
            (evaluation.warmup.back() == 's' ? "" : " frames") + ", tolerance " +
-           Json(evaluation.tolerance).dump() + " " + name_of(evaluation.unit) + ", stride " +
+           shortest(evaluation.tolerance) + " " + name_of(evaluation.unit) + ", stride " +
            std::to_string(evaluation.stride) + "\n";
 }
 

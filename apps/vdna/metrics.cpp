@@ -17,24 +17,28 @@ struct MetricsOptions {
     bool json = false;
 };
 
-Json read_json(const std::string &file)
+Json parse(std::istream &stream, const std::string &name)
 {
     try {
-        if (file == "-")
-            return Json::parse(std::cin);
-        std::ifstream stream(file, std::ios::binary);
-        if (!stream)
-            throw Error(file + ": cannot open, expected a JSON file of recalls and distances");
         return Json::parse(stream);
     } catch (const Json::exception &e) {
-        throw Error(file + ": not JSON: " + e.what());
+        throw Error(name + ": not JSON: " + e.what());
     }
 }
 
-void judge(const MetricsOptions &options)
+std::vector<MethodResult> judge(const std::string &file)
 {
-    const std::vector<MethodResult> results = judge_published(
-        read_json(options.file), options.file == "-" ? "standard input" : options.file);
+    if (file == "-")
+        return judge_published(parse(std::cin, "standard input"), "standard input");
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream)
+        throw Error(file + ": cannot open, expected a JSON file of recalls and distances");
+    return judge_published(parse(stream, file), file);
+}
+
+void report(const MetricsOptions &options)
+{
+    const std::vector<MethodResult> results = judge(options.file);
     if (!options.json) {
         std::cout << error_table(results);
         return;
@@ -63,7 +67,7 @@ void add_metrics(CLI::App &app)
     command->footer("Pairs may be missing: a method is judged by those that it and recall have.\n\n"
                     "Example:\n"
                     "  vdna metrics table1.json --json");
-    command->callback([options] { judge(*options); });
+    command->callback([options] { report(*options); });
 }
 
 } // namespace vdna
