@@ -155,7 +155,8 @@ class Report(unittest.TestCase):
                 for row, (name, off) in zip(rows, self.ranked(query, method), strict=True):
                     kind, text = row[column]
                     self.assertEqual(kind, ["", "one", "more"][min(off, 2)])
-                    self.assertEqual(text.split(" – ", 1)[1], name + (f" ↕{off}" if off else ""))
+                    mark = f" ↕{off}" if off else ""
+                    self.assertEqual(text.split(" – ", 1)[1], name + mark)
                     seen.add(kind)
         self.assertGreaterEqual(seen, {"", "one"}, "the data set shows both")
 
