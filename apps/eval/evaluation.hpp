@@ -85,7 +85,7 @@ struct Evaluation {
     std::vector<QueryResult> queries;
     std::vector<size_t> references;    // traversals: the columns of the tables below
     std::vector<double> recall;        // [queries][references], percent; NaN where there is no pair
-    std::vector<MethodResult> methods; // "vdna" first
+    std::vector<MethodResult> methods; // "vdna" first, "random" last
 };
 
 // Distances of the embeddings, [live frames][map frames]: the difference matrix.

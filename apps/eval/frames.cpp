@@ -59,9 +59,10 @@ void Frames::record(const DatasetTraversal &from, Traversal &to, Backbone &backb
             to.files.push_back(frame.file);
             store_.add(output.view());
             keys_[traversals_.size() - 1].push_back(key);
-        } catch (const BadFrame &) {
+        } catch (const BadFrame &bad) {
             if (!options.skip_bad)
-                throw;
+                throw Error(bad.what() + std::string("; replace or remove it, or leave out "
+                                                     "pictures like it with --skip-bad"));
             to.recording.bad++;
         }
     }

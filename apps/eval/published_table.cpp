@@ -1,6 +1,7 @@
 #include "published_table.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -33,11 +34,20 @@ struct Member {
     }
 };
 
+// A complaint is one line, whatever the names in the file are.
+std::string printable(std::string name)
+{
+    std::replace_if(
+        name.begin(), name.end(),
+        [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); }, '?');
+    return name;
+}
+
 std::vector<Member> members_of(const Member &object)
 {
     std::vector<Member> members;
     for (const auto &[name, value] : object.json.items())
-        members.push_back({value, object.path + "." + name});
+        members.push_back({value, object.path + "." + printable(name)});
     return members;
 }
 
@@ -123,7 +133,7 @@ std::vector<MethodResult> judge_published(const Json &json, const std::string &w
     };
     std::vector<MethodResult> results;
     for (const auto &[name, value] : distance_member.json.items()) {
-        const Member method{value, distance_member.path + "." + name};
+        const Member method{value, distance_member.path + "." + printable(name)};
         results.push_back(judge(name, method.path, table_of(method, queries, references)));
     }
     const auto is_random = [](const MethodResult &result) { return result.name == "random"; };

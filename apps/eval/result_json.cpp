@@ -69,6 +69,13 @@ Json names_of_queries(const Evaluation &evaluation)
     return names;
 }
 
+// 42 frames as a number, "45s" as a text.
+Json warmup_of(const Evaluation &evaluation)
+{
+    const bool seconds = evaluation.warmup.back() == 's';
+    return seconds ? Json(evaluation.warmup) : Json(std::stoul(evaluation.warmup));
+}
+
 Json counts_of(const Outcome &outcome)
 {
     return {{"good", outcome.good},
@@ -117,7 +124,7 @@ Json json_of(const Evaluation &evaluation, const std::vector<Ablation> &ablation
                  {"runtime", backbone.runtime},
                  {"dataset", evaluation.dataset},
                  {"bins", evaluation.bins},
-                 {"warmup", evaluation.warmup},
+                 {"warmup", warmup_of(evaluation)},
                  {"tolerance", evaluation.tolerance},
                  {"unit", name_of(evaluation.unit)},
                  {"stride", evaluation.stride},

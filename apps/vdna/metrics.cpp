@@ -21,8 +21,12 @@ Json parse(std::istream &stream, const std::string &name)
 {
     try {
         return Json::parse(stream);
-    } catch (const Json::exception &e) {
-        throw Error(name + ": not JSON: " + e.what());
+    } catch (const Json::parse_error &e) {
+        // Not its text, which repeats bytes of the file.
+        throw Error(name + ": not JSON at byte " + std::to_string(e.byte) +
+                    ", expected an object of recalls and distances");
+    } catch (const Json::exception &) {
+        throw Error(name + ": not JSON, expected an object of recalls and distances");
     }
 }
 

@@ -47,7 +47,7 @@ class Reader
 
   private:
     Input input(const toml::table &table) const;
-    std::vector<Tap> taps(const toml::table &root) const;
+    std::vector<TappedOutput> taps(const toml::table &root) const;
 
     void allow_only(const toml::table &table, Keys keys) const;
     const toml::node &need(const toml::table &table, std::string_view key,
@@ -193,18 +193,19 @@ Input Reader::input(const toml::table &table) const
     return input;
 }
 
-std::vector<Tap> Reader::taps(const toml::table &root) const
+std::vector<TappedOutput> Reader::taps(const toml::table &root) const
 {
     const toml::node &node = need(root, "taps", "at least one section [[taps]]");
     if (!node.is_array_of_tables())
         refuse(node.source(), "'taps' must be one or more sections [[taps]]");
-    std::vector<Tap> taps;
+    std::vector<TappedOutput> taps;
     for (const toml::node &element : *node.as_array()) {
         const toml::table &table = *element.as_table();
         allow_only(table, {"output", "layout"});
-        const Tap tap{output(table), static_cast<uint32_t>(choice(
-                                         table, "layout", {"samples_neurons", "neurons_samples"}))};
-        for (const Tap &other : taps)
+        const TappedOutput tap{
+            output(table),
+            static_cast<uint32_t>(choice(table, "layout", {"samples_neurons", "neurons_samples"}))};
+        for (const TappedOutput &other : taps)
             if (other.output == tap.output)
                 refuse(table.get("output")->source(), "'" + tap.output + "' is tapped twice");
         taps.push_back(tap);

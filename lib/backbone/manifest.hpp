@@ -27,7 +27,7 @@ struct Input {
 };
 
 // An ONNX output whose activations are counted. Its values are used as the network gives them.
-struct Tap {
+struct TappedOutput {
     std::string output;
     uint32_t layout; // VDNA_LAYOUT_...
 };
@@ -37,9 +37,9 @@ struct Manifest {
     std::filesystem::path model;
     std::string sha256; // of the model file: 64 lower-case hexadecimal digits
     Input input;
-    std::vector<Tap> taps; // >= 1, all different
-    std::string embedding; // ONNX output, which may also be tapped
-    bool l2_normalise;     // the embedding only; never a tap
+    std::vector<TappedOutput> taps; // >= 1, all different
+    std::string embedding;          // ONNX output, which may also be tapped
+    bool l2_normalise;              // the embedding only; never a tap
 };
 
 // Read and check a manifest. Throws Failure with "FILE:LINE: ..." and what was expected.

@@ -61,7 +61,7 @@ Session::Session(const Runtime &runtime, const Manifest &manifest, const std::st
     const std::vector<std::string> available =
         model_names(api_.SessionGetOutputCount, api_.SessionGetOutputName);
     std::vector<std::string> wanted;
-    for (const Tap &tap : manifest.taps)
+    for (const TappedOutput &tap : manifest.taps)
         wanted.push_back(tap.output);
     wanted.push_back(manifest.embedding);
     for (const std::string &output : wanted) {
@@ -72,7 +72,7 @@ Session::Session(const Runtime &runtime, const Manifest &manifest, const std::st
     }
     bind_outputs();
 
-    for (const Tap &tap : manifest.taps)
+    for (const TappedOutput &tap : manifest.taps)
         taps_.push_back(observe(tap.output, manifest));
     embedding_ = observe(manifest.embedding, manifest);
 }

@@ -157,7 +157,9 @@ class Metrics(unittest.TestCase):
                       self.refused('{"recall": {"a": {"b": 1}}, "distance": {"fd": {}}}'))
 
     def test_what_is_not_json_or_not_a_table_is_refused(self):
-        for text in ("", "{", "[]", "null", '{"recall": {}, "distance": {}}',
+        self.assertIn("not JSON at byte 2", self.refused("{"))
+        for text in ("", "[]", "null", '{"recall": {}, "distance": {}}',
+                     '{"recall": {"a\\nb": 1}, "distance": {}}',
                      '{"recall": {"a": {"b": 1e999}}, "distance": {}}'):
             self.refused(text)
 

@@ -24,10 +24,10 @@ struct Axis {
     // 0..1
     double share(double value) const { return (value - low) / (high - low); }
 
-    // 1, 2 or 5 times a power of ten; some four of them fill the axis.
+    // 1, 2 or 5 times a power of ten; at most five of them fill the axis.
     double step() const
     {
-        const double rough = (high - low) / 4;
+        const double rough = (high - low) / 5;
         const double power = std::pow(10, std::floor(std::log10(rough)));
         for (const double factor : {1.0, 2.0, 5.0})
             if (factor * power >= rough)

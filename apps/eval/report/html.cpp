@@ -51,7 +51,8 @@ std::string table(const std::string &caption_html, const std::string &head_html,
 {
     // Focusable, so that the keyboard can scroll it.
     return element("div class=\"scroll\" tabindex=\"0\"",
-                   element("table", element("caption", caption_html) + element("thead", head_html) +
+                   element("table", element("caption", element("span", caption_html)) +
+                                        element("thead", head_html) +
                                         element("tbody", body_html))) +
            "\n";
 }

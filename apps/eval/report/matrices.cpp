@@ -18,7 +18,7 @@ namespace
 constexpr int side = 220;       // pixels
 constexpr int small_side = 110; // where there are many matrices
 constexpr size_t many = 24;     // pairs
-constexpr double far_tolerances = 10;
+constexpr double far_tolerances = 3;
 
 // Of a long traversal, as many live frames as a picture has rows, evenly.
 QueryResult sampled(const QueryResult &query)

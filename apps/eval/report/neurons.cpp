@@ -80,8 +80,10 @@ std::string table_of(const Evaluation &evaluation, const Extremes &extremes)
         order[i] = i;
     const size_t listed = std::min(order.size(), listed_neurons);
     std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(listed),
-                      order.end(),
-                      [&](size_t a, size_t b) { return far[a] - near[a] > far[b] - near[b]; });
+                      order.end(), [&](size_t a, size_t b) {
+                          const double d = (far[a] - near[a]) - (far[b] - near[b]);
+                          return d != 0 ? d > 0 : a < b;
+                      });
     order.resize(listed);
     double longest = 0;
     for (const size_t i : order)

@@ -22,22 +22,35 @@ body {
   font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper);
 }
 h1 { font-size: 1.6rem; line-height: 1.25; margin: .5rem 0; }
-h2 { font-size: 1.25rem; margin: 2.5rem 0 .5rem; padding-top: .75rem; border-top: 1px solid var(--line); }
+h2 {
+  font-size: 1.25rem; margin: 2.5rem 0 .5rem; padding-top: .75rem;
+  border-top: 1px solid var(--line);
+}
 p { max-width: 46rem; margin: .5rem 0; }
 .facts { color: var(--faint); }
-.result { font-size: 1.15rem; padding: .75rem 1rem; background: var(--shade); border-left: 4px solid var(--bar); }
+.result {
+  font-size: 1.15rem; padding: .75rem 1rem; background: var(--shade);
+  border-left: 4px solid var(--bar);
+}
 .scroll { overflow-x: auto; margin: 1rem 0; }
-table { border-collapse: collapse; font-size: .875rem; font-variant-numeric: tabular-nums; overflow-wrap: normal; }
+table {
+  border-collapse: collapse; font-size: .875rem; font-variant-numeric: tabular-nums;
+  overflow-wrap: normal;
+}
 caption { text-align: left; font-weight: 600; padding: .25rem 0; }
-th, td { padding: .3rem .7rem; text-align: left; white-space: nowrap; border-bottom: 1px solid var(--line); }
+caption span { display: inline-block; position: sticky; left: 0; max-width: calc(100vw - 2rem); }
+th, td {
+  padding: .3rem .7rem; text-align: left; white-space: nowrap;
+  border-bottom: 1px solid var(--line);
+}
 thead th { border-bottom: 2px solid var(--line); vertical-align: bottom; }
-tbody th { font-weight: 500; }
+tbody th { font-weight: 500; position: sticky; left: 0; background: var(--paper); }
 .number { text-align: right; }
-.ours { background: var(--shade); font-weight: 600; }
+.ours, .ours th { background: var(--shade); font-weight: 600; }
 .one { background: var(--one); }
 .more { background: var(--more); }
 .legend span.one, .legend span.more { padding: .1rem .4rem; border-radius: .2rem; }
-.key { white-space: nowrap; margin-right: .9em; }
+.key { display: inline-block; max-width: 100%; margin-right: .9em; }
 .key svg { width: .7em; height: .7em; margin-right: .35em; }
 details { border: 1px solid var(--line); border-radius: .4rem; margin: .6rem 0; padding: 0 .8rem; }
 summary { cursor: pointer; padding: .5rem 0; }
@@ -45,9 +58,16 @@ figure { margin: 0; }
 figcaption { font-size: .875rem; color: var(--faint); }
 figcaption b { color: var(--ink); }
 .matrices, .matches { display: flex; flex-wrap: wrap; gap: 1rem; padding: .4rem 0 1rem; }
-.shades { display: block; width: 100%; height: auto; margin-bottom: 4px; border: 1px solid var(--line); image-rendering: pixelated; }
+.shades {
+  display: block; width: 100%; height: auto; margin-bottom: 4px; border: 1px solid var(--line);
+  image-rendering: pixelated;
+}
 .matrices figure { width: 220px; max-width: calc(50% - .5rem); }
-.charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr)); gap: 1.5rem; margin: 1rem 0; }
+.charts {
+  display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr));
+  gap: 1.5rem; margin: 1rem 0;
+}
+.charts > * { min-width: 0; }
 .charts svg { display: block; width: 100%; max-width: 34rem; }
 .charts .key svg, .charts svg.bar { display: inline-block; width: .7em; }
 .charts svg.bar { width: 5rem; height: .6rem; margin-left: .6rem; }
@@ -59,7 +79,9 @@ circle { fill-opacity: .8; }
 .pair > * { width: 160px; max-width: calc(50% - 2px); height: auto; display: block; }
 .matches figure { border-top: 3px solid var(--right); padding-top: 4px; max-width: 324px; }
 .matches figure.wrong { border-top: 3px dashed var(--wrong); }
-.gone { padding: 1rem .5rem; font-size: .8rem; color: var(--faint); border: 1px dashed var(--line); }
+.gone {
+  padding: 1rem .5rem; font-size: .8rem; color: var(--faint); border: 1px dashed var(--line);
+}
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .2rem 1rem; margin: .5rem 0; }
 dt { color: var(--faint); }
 dd { margin: 0; min-width: 0; }

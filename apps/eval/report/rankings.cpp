@@ -58,11 +58,8 @@ std::string true_table(const Evaluation &evaluation)
                                                      fixed(query.all.recall[0], 2));
         columns.push_back(true_places(evaluation, q));
     }
-    return table(
-        "The truth: Recall@1 in %, highest first. Column heads: query / with all references at "
-        "once",
-        element("tr", head),
-        rows_of(evaluation, columns, [](double recall) { return fixed(recall, 2); }));
+    return table("The truth: Recall@1 in %, highest first", element("tr", head),
+                 rows_of(evaluation, columns, [](double recall) { return fixed(recall, 2); }));
 }
 
 std::string method_table(const Evaluation &evaluation, const MethodResult &method)
@@ -85,7 +82,9 @@ std::string rankings_section(const Evaluation &evaluation)
 {
     std::string html =
         "<h2>Rankings</h2><p>A column for each query, its references from best to worst. The first "
-        "table is the truth; the others are what each method predicts from the warmup alone.</p>"
+        "table is the truth, with the recall in all references at once beside the query's name; "
+        "the "
+        "others are what each method predicts from the warmup alone.</p>"
         "<p class=\"legend\"><span class=\"one\">orange <b>\u21951</b></span> one rank away from "
         "its true place; <span class=\"more\">red <b>\u21952</b></span> two or more.</p>" +
         true_table(evaluation);

@@ -23,10 +23,10 @@ std::string result_of(const Evaluation &evaluation)
     const vdna_ranking_metrics &chance = evaluation.methods.back().metrics;
     return "Ranking the references by Visual DNA costs " +
            number_text(ours.ranking_error_swap_once, 2) +
-           " % of recall on average (the paper's ranking error; by chance " +
+           " percentage points of recall on average (the paper's ranking error; by chance " +
            number_text(chance.ranking_error_swap_once, 2) +
-           " %), and localising in its first choice instead of the best one costs " +
-           number_text(ours.regret, 2) + " % (by chance " + number_text(chance.regret, 2) + " %).";
+           "), and localising in its first choice instead of the best one costs " +
+           number_text(ours.regret, 2) + " (by chance " + number_text(chance.regret, 2) + ").";
 }
 
 std::string headline(const Evaluation &evaluation)
@@ -86,7 +86,9 @@ std::string making_section(const Evaluation &evaluation, const std::string &comm
     add("Taps", backbone.taps);
     add("Histograms", std::to_string(backbone.neurons) + " neurons of " +
                           std::to_string(evaluation.bins) + " bins");
-    add("Localised", "every " + std::to_string(evaluation.stride) + ". frame after the warmup");
+    add("Localised", evaluation.stride == 1 ? "every frame after the warmup"
+                                            : "one in " + std::to_string(evaluation.stride) +
+                                                  " frames after the warmup");
     add("Frames", std::to_string(evaluation.computed) + " computed, " +
                       std::to_string(evaluation.cached) + " from the cache");
     return "<h2>How this was made</h2>" + element("dl", list) + frames_table(evaluation);

@@ -37,7 +37,8 @@ std::string warmup_text(const Evaluation &evaluation)
 
 std::string tolerance_text(const Evaluation &evaluation)
 {
-    return "tolerance " + Json(evaluation.tolerance).dump() + " " + name_of(evaluation.unit);
+    const int digits = evaluation.tolerance == std::floor(evaluation.tolerance) ? 0 : 2;
+    return "tolerance " + fixed(evaluation.tolerance, digits) + " " + name_of(evaluation.unit);
 }
 
 std::string distance_text(double distance)
