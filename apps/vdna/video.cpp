@@ -19,7 +19,9 @@ class VideoReader : public Reader
     {
         // OpenCV would report each backend that cannot read the file; our one sentence says it.
         cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-        if (!video_.open(path) || video_.get(cv::CAP_PROP_FRAME_COUNT) < 1)
+        // FFmpeg only: other backends look for cameras, load plug-ins, or take a picture for the
+        // first one of a sequence.
+        if (!video_.open(path, cv::CAP_FFMPEG) || video_.get(cv::CAP_PROP_FRAME_COUNT) < 1)
             throw Error(path + ": neither a folder, nor an LCM log, nor a video that OpenCV can "
                                "read; expected one of these");
         const double fps = video_.get(cv::CAP_PROP_FPS);
