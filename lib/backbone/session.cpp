@@ -57,7 +57,7 @@ Session::Session(const Runtime &runtime, const Manifest &manifest, const std::st
 {
     check_input(manifest);
 
-    // All of them before the first run: nothing that is not requested is computed.
+    // All of them before the first run: only what is requested is bound and handed out.
     const std::vector<std::string> available =
         model_names(api_.SessionGetOutputCount, api_.SessionGetOutputName);
     std::vector<std::string> wanted;
