@@ -68,6 +68,22 @@ static inline void remove_directory(const directory *made)
         abort();
 }
 
+/* CMocka's set-up and tear-down: each test gets an empty directory as its *state. */
+static inline int set_up_directory(void **state)
+{
+    directory *made = malloc(sizeof *made);
+    *made = make_directory();
+    *state = made;
+    return 0;
+}
+
+static inline int tear_down_directory(void **state)
+{
+    remove_directory(*state);
+    free(*state);
+    return 0;
+}
+
 /* The path of a file in it; valid until the eighth call after this one. */
 static inline const char *path_in(const directory *made, const char *name)
 {

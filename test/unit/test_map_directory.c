@@ -8,21 +8,6 @@
 
 #include <cmocka.h>
 
-static int set_up(void **state)
-{
-    directory *made = malloc(sizeof *made);
-    *made = make_directory();
-    *state = made;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    remove_directory(*state);
-    free(*state);
-    return 0;
-}
-
 static void write_as(const directory *made, const char *file, const char *name, vdna_experience e)
 {
     strcpy(e.name, name);
@@ -173,7 +158,7 @@ static void names_lengths_and_labels_may_differ(void **state)
 
 int main(void)
 {
-#define CASE(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
+#define CASE(test) cmocka_unit_test_setup_teardown(test, set_up_directory, tear_down_directory)
     const struct CMUnitTest tests[] = {
         CASE(experiences_come_in_the_byte_order_of_their_files),
         CASE(an_empty_or_missing_directory_is_refused),

@@ -13,21 +13,6 @@
 
 #include <cmocka.h>
 
-static int set_up(void **state)
-{
-    directory *made = malloc(sizeof *made);
-    *made = make_directory();
-    *state = made;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    remove_directory(*state);
-    free(*state);
-    return 0;
-}
-
 static int files_in(const char *path)
 {
     DIR *listing = opendir(path);
@@ -248,7 +233,7 @@ static void an_open_experience_can_be_written_over_itself(void **state)
 
 int main(void)
 {
-#define CASE(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
+#define CASE(test) cmocka_unit_test_setup_teardown(test, set_up_directory, tear_down_directory)
     const struct CMUnitTest tests[] = {
         CASE(what_breaks_a_rule_is_not_written),
         CASE(a_killed_writer_leaves_the_old_file),
