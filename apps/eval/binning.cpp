@@ -1,8 +1,12 @@
 #include "binning.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "check.hpp"
+#include "histogram.hpp"
+#include "interrupt/interrupt.hpp"
+#include "packing.hpp"
 
 namespace vdna
 {
@@ -24,6 +28,11 @@ void require_known(const std::vector<std::string> &names, const std::vector<Tap>
 }
 
 } // namespace
+
+vdna_hist_view Counts::view(const std::vector<float> &range) const
+{
+    return {range.data(), counts.data(), mass.data(), static_cast<uint32_t>(mass.size()), bins};
+}
 
 Binning::Binning(Frames &frames, const std::vector<std::string> &taps, uint32_t range_rule)
     : frames_(frames), range_rule_(range_rule), observed_(frames.traversals().size())
@@ -58,15 +67,39 @@ const std::vector<vdna_activations> &Binning::picked(size_t traversal, uint32_t 
     return picked_;
 }
 
+std::string Binning::key_of(const std::string &what, size_t traversal, uint32_t frames) const
+{
+    std::string text = what + "\n" + taps_text() + "\n";
+    for (uint32_t i = 0; i < frames; i++)
+        text += frames_.keys(traversal)[i];
+    return sha256_of(text.data(), text.size());
+}
+
 const std::vector<float> &Binning::observed(size_t traversal)
 {
     std::vector<float> &range = observed_[traversal];
     if (!range.empty())
         return range;
+    const uint32_t frames = frames_.traversals()[traversal].recording.frames;
+    const std::string key = key_of("observed 1", traversal, frames) + ".observed";
+    const std::optional<std::string> bytes = frames_.cache().find(key);
+    if (bytes && bytes->size() == size_t{2} * neurons_ * sizeof(float) &&
+        Unpacker(*bytes).take(range, size_t{2} * neurons_))
+        return range;
+    range = observe(traversal);
+    std::string packed;
+    pack(packed, range.data(), range.size());
+    frames_.cache().store(key, packed);
+    return range;
+}
+
+std::vector<float> Binning::observe(size_t traversal)
+{
     const Traversal &t = frames_.traversals()[traversal];
-    range.resize(size_t{2} * neurons_);
+    std::vector<float> range(size_t{2} * neurons_);
     require_ok(vdna_range_clear(range.data(), neurons_), t.name);
     for (uint32_t i = 0; i < t.recording.frames; i++) {
+        require_not_interrupted();
         const std::vector<vdna_activations> &taps = picked(traversal, i);
         require_ok(vdna_range_observe(range.data(), neurons_, taps.data(), taps.size()),
                    t.files[i].string());
@@ -88,15 +121,52 @@ std::vector<float> Binning::range_of(const std::vector<size_t> &traversals)
     return range;
 }
 
-Histogram Binning::histogram_of(size_t traversal, uint32_t frames, const std::vector<float> &range,
-                                uint32_t bins)
+Counts Binning::counts_of(size_t traversal, uint32_t frames, const std::vector<float> &range,
+                          uint32_t bins)
+{
+    const std::string how = "counts 1 " + std::to_string(bins) + " " +
+                            sha256_of(range.data(), range.size() * sizeof(float));
+    const std::string key = key_of(how, traversal, frames) + ".counts";
+    if (std::optional<Counts> found = find_counts(key, bins))
+        return std::move(*found);
+    Counts counted = count(traversal, frames, range, bins);
+    // What was counted from fewer numbers than it has bins is counted as fast as it is read.
+    const uint64_t samples = std::accumulate(counted.mass.begin(), counted.mass.end(), uint64_t{0});
+    if (samples > counted.counts.size()) {
+        std::string bytes;
+        pack_counts(bytes, counted.mass);
+        pack_counts(bytes, counted.counts);
+        frames_.cache().store(key, bytes);
+    }
+    return counted;
+}
+
+std::optional<Counts> Binning::find_counts(const std::string &key, uint32_t bins) const
+{
+    const std::optional<std::string> bytes = frames_.cache().find(key);
+    if (!bytes)
+        return {};
+    Unpacker unpacker(*bytes);
+    Counts found{bins, {}, {}};
+    if (!unpacker.take_counts(found.mass, neurons_) ||
+        !unpacker.take_counts(found.counts, uint64_t{neurons_} * bins) || !unpacker.at_end())
+        return {};
+    return found;
+}
+
+Counts Binning::count(size_t traversal, uint32_t frames, const std::vector<float> &range,
+                      uint32_t bins)
 {
     Histogram histogram(range, bins);
     for (uint32_t i = 0; i < frames; i++) {
+        require_not_interrupted();
         const std::vector<vdna_activations> &taps = picked(traversal, i);
         histogram.add(taps.data(), taps.size(), frames_.traversals()[traversal].name);
     }
-    return histogram;
+    const vdna_hist &hist = *histogram.operator->();
+    return {bins,
+            {hist.counts, hist.counts + size_t{neurons_} * bins},
+            {hist.mass, hist.mass + neurons_}};
 }
 
 } // namespace vdna

@@ -1,17 +1,26 @@
 // Histograms of the activations of traversals.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "frames.hpp"
-#include "histogram.hpp"
 #include "tap.hpp"
 
 namespace vdna
 {
 
-// The part of the activations that is counted.
+// The counts of a histogram.
+struct Counts {
+    uint32_t bins = 0;
+    std::vector<uint32_t> counts; // [bins][neurons]
+    std::vector<uint32_t> mass;   // [neurons]
+
+    vdna_hist_view view(const std::vector<float> &range) const; // all borrowed
+};
+
+// The part of the activations that is counted. What was counted once comes from the frames' cache.
 class Binning
 {
   public:
@@ -24,14 +33,19 @@ class Binning
 
     // [neurons][2], from all frames of these traversals.
     std::vector<float> range_of(const std::vector<size_t> &traversals);
-    // Of the first frames of a traversal. range: borrowed.
-    Histogram histogram_of(size_t traversal, uint32_t frames, const std::vector<float> &range,
-                           uint32_t bins);
+    // Of the first frames of a traversal.
+    Counts counts_of(size_t traversal, uint32_t frames, const std::vector<float> &range,
+                     uint32_t bins);
 
   private:
     // The activations that are counted of one frame; borrowed until the next call.
     const std::vector<vdna_activations> &picked(size_t traversal, uint32_t frame);
     const std::vector<float> &observed(size_t traversal);
+    std::vector<float> observe(size_t traversal);
+    Counts count(size_t traversal, uint32_t frames, const std::vector<float> &range, uint32_t bins);
+    // Of what is made from the first frames of a traversal.
+    std::string key_of(const std::string &what, size_t traversal, uint32_t frames) const;
+    std::optional<Counts> find_counts(const std::string &key, uint32_t bins) const;
 
     Frames &frames_;
     uint32_t range_rule_;

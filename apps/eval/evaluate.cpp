@@ -147,8 +147,8 @@ class Run
     void compare(QueryResult &query, Progress &progress)
     {
         query.range = binning_.range_of(references_of(query.traversal));
-        const Histogram live = binning_.histogram_of(query.traversal, query.warmup_frames,
-                                                     query.range, settings_.bins);
+        const Counts live =
+            binning_.counts_of(query.traversal, query.warmup_frames, query.range, settings_.bins);
         for (PairResult &pair : query.pairs) {
             require_not_interrupted();
             const size_t cell = cell_of(pair.reference);
@@ -160,15 +160,12 @@ class Run
         }
     }
 
-    void compare_vdna(const QueryResult &query, const Histogram &live, PairResult &pair,
-                      size_t cell)
+    void compare_vdna(const QueryResult &query, const Counts &live, PairResult &pair, size_t cell)
     {
         const Traversal &reference = traversals_[pair.reference];
-        const Histogram map = binning_.histogram_of(pair.reference, reference.recording.frames,
-                                                    query.range, settings_.bins);
-        vdna_hist_view p, q;
-        vdna_hist_view_of(live.operator->(), &p);
-        vdna_hist_view_of(map.operator->(), &q);
+        const Counts map = binning_.counts_of(pair.reference, reference.recording.frames,
+                                              query.range, settings_.bins);
+        const vdna_hist_view p = live.view(query.range), q = map.view(query.range);
         std::vector<int64_t> scratch(vdna_emd_scratch_size(p.neurons) / sizeof(int64_t) + 1);
         const size_t scratch_size = scratch.size() * sizeof(int64_t);
         pair.neuron_emd_bins.resize(p.neurons);

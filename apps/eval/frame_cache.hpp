@@ -1,44 +1,49 @@
-// What the network made of pictures, kept on disk by content, so that it runs once per picture.
+// What the network made of pictures, kept so that it runs once per picture.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <vdna/backbone.h>
 
+#include "cache.hpp"
+
 namespace vdna
 {
 
-// A frame of the cache, in memory. Moving it keeps what view() returned.
+// What localisation and the baselines need of a frame.
 struct CachedFrame {
     float grey = 0; // 0..255
     std::vector<float> embedding;
-    std::vector<vdna_activations> taps; // point into `values`
-    std::vector<float> values;
 
-    vdna_backbone_frame view() const; // borrowed
+    vdna_backbone_frame view() const; // borrowed, without taps
 };
 
-// A directory of frames. Each is one file, named after a SHA-256 of the picture's bytes and of
-// everything about the network that shapes the numbers; it ends with a SHA-256 of its own bytes.
+// What histograms need of a frame. Moving it keeps the pointers.
+struct CachedTaps {
+    std::vector<vdna_activations> taps; // point into `values`
+    std::vector<float> values;
+};
+
+// The entries of one network. The two parts of a frame are kept apart because a run whose
+// histograms are cached needs no activations, which are by far the larger part.
 class FrameCache
 {
   public:
-    // directory: "" = $XDG_CACHE_HOME/vdna, else ~/.cache/vdna; made if missing. Throws Error.
-    FrameCache(const std::string &directory, const vdna_backbone_info &backbone);
+    // cache: borrowed.
+    FrameCache(const Cache &cache, const vdna_backbone_info &backbone);
 
+    // Of a picture's bytes and of everything about the network that shapes the numbers.
     std::string key_of(const std::vector<uint8_t> &picture) const;
     // Nothing if it is missing or damaged.
     std::optional<CachedFrame> find(const std::string &key) const;
-    // Whole or not at all. Throws Error.
+    std::optional<CachedTaps> find_taps(const std::string &key) const;
+    // Throws Error.
     void store(const std::string &key, const vdna_backbone_frame &frame) const;
 
   private:
-    std::filesystem::path file_of(const std::string &key) const;
-
-    std::filesystem::path directory_;
+    const Cache &cache_;
     std::string network_;
 };
 

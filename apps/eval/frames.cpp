@@ -12,10 +12,7 @@ namespace vdna
 namespace
 {
 
-// So much memory may be spent on not reading the cache again.
-constexpr size_t activation_bytes_max = size_t{512} << 20;
-
-Frame frame_of(const DatasetFrame &from, uint64_t index, double rate_hz)
+Frame labelled(const DatasetFrame &from, uint64_t index, double rate_hz)
 {
     Frame frame;
     frame.index = index;
@@ -27,38 +24,38 @@ Frame frame_of(const DatasetFrame &from, uint64_t index, double rate_hz)
     return frame;
 }
 
+[[noreturn]] void complain_of_lost_entry(const std::string &name)
+{
+    throw Error(name + ": its activations cannot be read back from the cache; is the disk full?");
+}
+
 } // namespace
 
-Frames::Frames(const Dataset &dataset, Backbone &backbone, const FrameCache &cache,
+Frames::Frames(const Dataset &dataset, Backbone &backbone, const Cache &cache,
                const FramesOptions &options)
-    : cache_(cache), backbone_(backbone.info()), keys_(dataset.traversals.size()),
-      store_(activation_bytes_max)
+    : backbone_(backbone), cache_(cache), frame_cache_(cache, backbone.info()),
+      keys_(dataset.traversals.size())
 {
-    size_t frames = 0;
     for (const DatasetTraversal &from : dataset.traversals) {
-        first_.push_back(frames);
         Traversal &to = traversals_.emplace_back(Traversal{from.name, from.group, {}, {}});
-        record(from, to, backbone, options);
-        frames += to.recording.frames;
+        record(from, to, keys_[traversals_.size() - 1], options);
     }
 }
 
-void Frames::record(const DatasetTraversal &from, Traversal &to, Backbone &backbone,
+void Frames::record(const DatasetTraversal &from, Traversal &to, std::vector<std::string> &keys,
                     const FramesOptions &options)
 {
     Progress progress(from.name, from.frames.size());
     for (size_t i = 0; i < from.frames.size(); i++) {
         require_not_interrupted();
         progress.advance();
-        const Frame frame = frame_of(from.frames[i], i, options.rate_hz);
+        const Frame frame = labelled(from.frames[i], i, options.rate_hz);
         try {
             const std::vector<uint8_t> picture = read_picture(frame.file);
-            const std::string key = cache_.key_of(picture);
-            const CachedFrame output = run(picture, key, frame.name, backbone);
-            to.recording.add(frame, output.view());
+            const std::string key = frame_cache_.key_of(picture);
+            to.recording.add(frame, frame_of(picture, key, frame.name).view());
             to.files.push_back(frame.file);
-            store_.add(output.view());
-            keys_[traversals_.size() - 1].push_back(key);
+            keys.push_back(key);
         } catch (const BadFrame &bad) {
             if (!options.skip_bad)
                 throw Error(bad.what() + std::string("; replace or remove it, or leave out "
@@ -71,45 +68,49 @@ void Frames::record(const DatasetTraversal &from, Traversal &to, Backbone &backb
                     " pictures can be used");
 }
 
-CachedFrame Frames::run(const std::vector<uint8_t> &picture, const std::string &key,
-                        const std::string &name, Backbone &backbone)
+CachedFrame Frames::frame_of(const std::vector<uint8_t> &picture, const std::string &key,
+                             const std::string &name)
 {
-    if (std::optional<CachedFrame> found = cache_.find(key)) {
+    if (std::optional<CachedFrame> found = frame_cache_.find(key)) {
         cached_++;
         return std::move(*found);
     }
+    compute(picture, key, name);
+    computed_++;
+    std::optional<CachedFrame> stored = frame_cache_.find(key);
+    if (!stored)
+        complain_of_lost_entry(name);
+    return std::move(*stored);
+}
+
+void Frames::compute(const std::vector<uint8_t> &picture, const std::string &key,
+                     const std::string &name)
+{
     const vdna_image image = {picture.data(), picture.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
     vdna_error error{};
     vdna_backbone_frame output;
-    const vdna_status status = vdna_backbone_run(backbone.get(), &image, &error, &output);
+    const vdna_status status = vdna_backbone_run(backbone_.get(), &image, &error, &output);
     const std::string sentence = name + ": " + error.text;
     if (status == VDNA_ERR_FORMAT || status == VDNA_ERR_UNSUPPORTED || status == VDNA_ERR_NONFINITE)
         throw BadFrame(sentence);
     if (status != VDNA_OK)
         throw Error(sentence);
-    cache_.store(key, output);
-    computed_++;
-    std::optional<CachedFrame> stored = cache_.find(key);
-    if (!stored)
-        throw Error(name + ": its activations cannot be read back from the cache; is the disk "
-                           "full?");
-    return std::move(*stored);
+    frame_cache_.store(key, output);
 }
 
 const std::vector<vdna_activations> &Frames::taps(size_t traversal, uint32_t frame)
 {
-    if (store_.complete()) {
-        taps_ = store_.taps(first_[traversal] + frame);
-        return taps_;
-    }
     const std::string &key = keys_[traversal][frame];
-    std::optional<CachedFrame> found = cache_.find(key);
-    if (!found)
-        throw Error(traversals_[traversal].files[frame].string() +
-                    ": its activations are gone from the cache; run again");
-    from_disk_ = std::move(*found);
-    taps_ = from_disk_.taps;
-    return taps_;
+    std::optional<CachedTaps> found = frame_cache_.find_taps(key);
+    if (!found) { // damaged, or removed since
+        const std::filesystem::path &file = traversals_[traversal].files[frame];
+        compute(read_picture(file), key, file.string());
+        found = frame_cache_.find_taps(key);
+        if (!found)
+            complain_of_lost_entry(file.string());
+    }
+    taps_ = std::move(*found);
+    return taps_.taps;
 }
 
 } // namespace vdna

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "activation_store.hpp"
 #include "dataset.hpp"
 #include "evaluation.hpp"
 #include "frame_cache.hpp"
@@ -21,32 +20,36 @@ class Frames
 {
   public:
     // Sends the pictures that the cache does not hold through the network. Shows progress; what was
-    // computed before Ctrl-C or an error stays in the cache. Throws Error.
-    Frames(const Dataset &dataset, Backbone &backbone, const FrameCache &cache,
+    // computed before Ctrl-C or an error stays in the cache. backbone, cache: borrowed. Throws
+    // Error.
+    Frames(const Dataset &dataset, Backbone &backbone, const Cache &cache,
            const FramesOptions &options);
 
     const std::vector<Traversal> &traversals() const { return traversals_; }
-    const vdna_backbone_info &backbone() const { return backbone_; }
+    const vdna_backbone_info &backbone() const { return backbone_.info(); }
+    const Cache &cache() const { return cache_; }
     uint64_t cached() const { return cached_; }
     uint64_t computed() const { return computed_; }
 
-    // The activations of one frame; borrowed until the next call.
+    // SHA-256 of the content of each frame of a traversal and of the network.
+    const std::vector<std::string> &keys(size_t traversal) const { return keys_[traversal]; }
+    // The activations of one frame; borrowed until the next call. Throws Error.
     const std::vector<vdna_activations> &taps(size_t traversal, uint32_t frame);
 
   private:
-    void record(const DatasetTraversal &from, Traversal &to, Backbone &backbone,
+    void record(const DatasetTraversal &from, Traversal &to, std::vector<std::string> &keys,
                 const FramesOptions &options);
-    CachedFrame run(const std::vector<uint8_t> &picture, const std::string &key,
-                    const std::string &name, Backbone &backbone);
+    CachedFrame frame_of(const std::vector<uint8_t> &picture, const std::string &key,
+                         const std::string &name);
+    void compute(const std::vector<uint8_t> &picture, const std::string &key,
+                 const std::string &name);
 
-    const FrameCache &cache_;
-    vdna_backbone_info backbone_;
+    Backbone &backbone_;
+    const Cache &cache_;
+    FrameCache frame_cache_;
     std::vector<Traversal> traversals_;
     std::vector<std::vector<std::string>> keys_; // [traversals][frames]
-    std::vector<size_t> first_;                  // [traversals], index of its first frame in store_
-    ActivationStore store_;
-    CachedFrame from_disk_; // where the activations are too many to keep in memory
-    std::vector<vdna_activations> taps_;
+    CachedTaps taps_;
     uint64_t cached_ = 0;
     uint64_t computed_ = 0;
 };

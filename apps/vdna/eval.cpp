@@ -161,7 +161,7 @@ void run(const EvalOptions &o)
     const EvaluationSettings settings = settings_of(o, dataset);
     Backbone backbone(o.network.backbone.empty() ? default_backbone : o.network.backbone,
                       o.network.threads);
-    const FrameCache cache(o.cache, backbone.info());
+    const Cache cache(o.cache);
     Frames frames(dataset, backbone, cache, o.frames);
     Binning binning(frames, o.taps, o.range_rule);
     Evaluation evaluation = evaluate(frames, binning, settings);
@@ -246,7 +246,7 @@ void add_output_options(CLI::App &command, EvalOptions &o)
 {
     command
         .add_option("--cache", o.cache,
-                    "directory of activations, by content (default: $XDG_CACHE_HOME/vdna)")
+                    "directory of what was computed, by content (default: $XDG_CACHE_HOME/vdna)")
         ->type_name("DIR");
     command.add_option("--json", o.json, "write the results as JSON; - is standard output")
         ->type_name("FILE");

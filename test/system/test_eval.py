@@ -257,6 +257,29 @@ class Results(OwnSet):
         self.assertEqual(second["computed"], 1)
         self.assertEqual(first["distance"], second["distance"])
 
+    def test_with_cached_histograms_no_activation_is_read(self):
+        first = self.evaluate(self.dataset, "--bins", 3)  # fewer than the frames, so they are kept
+        self.assertTrue(list(self.cache.glob("*/*.counts")))
+        for entry in self.cache.glob("*/*.taps"):
+            entry.unlink()
+        second = self.evaluate(self.dataset, "--bins", 3)
+        self.assertEqual(list(self.cache.glob("*/*.taps")), [])
+        self.assertEqual(first["distance"], second["distance"])
+
+    def test_damaged_histograms_and_lost_activations_are_computed_again(self):
+        first = self.evaluate(self.dataset, "--bins", 10)
+        entries = [*self.cache.glob("*/*.counts"), *self.cache.glob("*/*.observed")]
+        for entry in entries:
+            data = bytearray(entry.read_bytes())
+            data[len(data) // 2] ^= 1
+            entry.write_bytes(data)
+        for entry in self.cache.glob("*/*.taps"):
+            entry.unlink()
+        self.assertGreater(len(entries), 3)
+        second = self.evaluate(self.dataset, "--bins", 10)
+        self.assertEqual(first["distance"], second["distance"])
+        self.assertTrue(list(self.cache.glob("*/*.taps")))
+
     def test_an_interrupted_run_goes_on_where_it_was(self):
         with open(self.dataset / "dawn/labels.csv", "a") as labels:
             for i in range(12, 400):
