@@ -192,7 +192,8 @@ class Evaluation(unittest.TestCase):
 class Agreement(Evaluation):
     def test_rendered_drives_agree_with_numpy(self):
         dataset = self.drives("summer", "winter", "night")
-        self.agrees(dataset, "--warmup", 8, "--stride", 3, "--bins", 50, "--tolerance", 4)
+        for bins in (50, 5, 5):  # the last run finds its histograms in the cache
+            self.agrees(dataset, "--warmup", 8, "--stride", 3, "--bins", bins, "--tolerance", 4)
 
     def real_pictures(self, name):
         if not DATA.is_dir():
