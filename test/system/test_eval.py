@@ -267,6 +267,14 @@ class Results(OwnSet):
         self.assertEqual(list(self.cache.glob("*/*.taps")), [])
         self.assertEqual(first["distance"], second["distance"])
 
+    def test_a_changed_picture_changes_what_the_cache_gives(self):
+        self.evaluate(self.dataset, "--bins", 3)
+        for picture in ("000.ppm", "011.ppm"):
+            write_picture(self.dataset / "noon" / picture, 77)
+        cached = self.evaluate(self.dataset, "--bins", 3)
+        shutil.rmtree(self.cache)
+        self.assertEqual(self.evaluate(self.dataset, "--bins", 3)["distance"], cached["distance"])
+
     def test_damaged_histograms_and_lost_activations_are_computed_again(self):
         first = self.evaluate(self.dataset, "--bins", 10)
         entries = [*self.cache.glob("*/*.counts"), *self.cache.glob("*/*.observed")]
