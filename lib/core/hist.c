@@ -127,20 +127,31 @@ static size_t words_of(const vdna_hist *hist)
     return (size_t)hist->neurons * (hist->bins + 2u);
 }
 
-static vdna_status check_same_shape(const vdna_hist *a, const vdna_hist *b)
+/* Ranges are the same if their bytes are: histograms of one map share theirs or have a copy. */
+static vdna_status check_same_shape(const vdna_hist_view *a, const vdna_hist_view *b)
 {
-    if (!a || !b)
-        return VDNA_ERR_ARG;
-    if (a->neurons != b->neurons || a->bins != b->bins ||
+    if (a->neurons != b->neurons || a->bins != b->bins)
+        return VDNA_ERR_MISMATCH;
+    if (a->range != b->range &&
         memcmp(a->range, b->range, 2 * sizeof(float) * (size_t)a->neurons) != 0)
         return VDNA_ERR_MISMATCH;
     return VDNA_OK;
 }
 
+static vdna_status check_addends(const vdna_hist *a, const vdna_hist *b)
+{
+    if (!a || !b)
+        return VDNA_ERR_ARG;
+    vdna_hist_view view_a, view_b;
+    vdna_hist_view_of(a, &view_a);
+    vdna_hist_view_of(b, &view_b);
+    return check_same_shape(&view_a, &view_b);
+}
+
 /* see vdna/hist.h */
 vdna_status vdna_hist_merge(vdna_hist *hist, const vdna_hist *other)
 {
-    const vdna_status status = check_same_shape(hist, other);
+    const vdna_status status = check_addends(hist, other);
     if (status != VDNA_OK)
         return status;
     if (other->frames > UINT32_MAX - hist->frames)
@@ -159,7 +170,7 @@ vdna_status vdna_hist_merge(vdna_hist *hist, const vdna_hist *other)
 /* see vdna/hist.h */
 vdna_status vdna_hist_subtract(vdna_hist *hist, const vdna_hist *other)
 {
-    const vdna_status status = check_same_shape(hist, other);
+    const vdna_status status = check_addends(hist, other);
     if (status != VDNA_OK)
         return status;
     const size_t words = words_of(hist);
@@ -194,4 +205,24 @@ void vdna_hist_view_of(const vdna_hist *hist, vdna_hist_view *out_view)
     out_view->mass = hist->mass;
     out_view->neurons = hist->neurons;
     out_view->bins = hist->bins;
+}
+
+static int is_view(const vdna_hist_view *view)
+{
+    return view && view->range && view->counts && view->mass && view->neurons > 0 &&
+           view->bins >= VDNA_HIST_BINS_MIN && view->bins <= VDNA_HIST_BINS_MAX;
+}
+
+/* see vdna/hist.h */
+vdna_status vdna_hist_view_check_pair(const vdna_hist_view *p, const vdna_hist_view *q)
+{
+    if (!is_view(p) || !is_view(q))
+        return VDNA_ERR_ARG;
+    const vdna_status status = check_same_shape(p, q);
+    if (status != VDNA_OK)
+        return status;
+    for (size_t n = 0; n < p->neurons; n++)
+        if (p->mass[n] == 0 || q->mass[n] == 0)
+            return VDNA_ERR_EMPTY;
+    return VDNA_OK;
 }

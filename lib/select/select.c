@@ -67,13 +67,11 @@ size_t vdna_select_mem_size(const vdna_select_config *config)
 
 /* Candidates that compare with the first one compare with the live histogram, which has its
  * shape and range. */
-static vdna_status check_candidates(const vdna_select_config *config, void *scratch,
-                                    size_t scratch_size)
+static vdna_status check_candidates(const vdna_select_config *config)
 {
     for (uint32_t i = 0; i < config->candidate_count; i++) {
-        double unused;
-        const vdna_status status = vdna_emd_mean(
-            &config->candidates[0].dna, &config->candidates[i].dna, scratch, scratch_size, &unused);
+        const vdna_status status =
+            vdna_hist_view_check_pair(&config->candidates[0].dna, &config->candidates[i].dna);
         if (status != VDNA_OK)
             return status;
     }
@@ -89,6 +87,9 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
         return VDNA_ERR_ARG;
     if (mem_size < l.total)
         return VDNA_ERR_NOMEM;
+    vdna_status status = check_candidates(config);
+    if (status != VDNA_OK)
+        return status;
 
     unsigned char *block = mem;
     vdna_select s;
@@ -98,9 +99,6 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
     s.views = (vdna_hist_view *)(void *)(block + l.ranking);
     s.scratch = block + l.ranking + l.views;
     s.scratch_size = l.scratch;
-    vdna_status status = check_candidates(config, s.scratch, s.scratch_size);
-    if (status != VDNA_OK)
-        return status;
     status = vdna_hist_init(&l.live, block + l.ranking + l.views + l.scratch, l.hist, &s.live);
     if (status != VDNA_OK)
         return status;
