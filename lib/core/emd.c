@@ -25,8 +25,8 @@ static vdna_status check_bound(const vdna_hist_view *p, const vdna_hist_view *q)
     return VDNA_OK;
 }
 
-static vdna_status check(const vdna_hist_view *p, const vdna_hist_view *q, const void *scratch,
-                         size_t scratch_size)
+static vdna_status check_arguments(const vdna_hist_view *p, const vdna_hist_view *q,
+                                   const void *scratch, size_t scratch_size)
 {
     if (!scratch || (uintptr_t)scratch % sizeof(int64_t) != 0)
         return VDNA_ERR_ARG;
@@ -64,7 +64,7 @@ static void sum_rows(const vdna_hist_view *p, const vdna_hist_view *q, const wor
 static vdna_status exact_sums(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
                               size_t scratch_size, work *out_work)
 {
-    const vdna_status status = check(p, q, scratch, scratch_size);
+    const vdna_status status = check_arguments(p, q, scratch, scratch_size);
     if (status != VDNA_OK)
         return status;
     out_work->difference = scratch;

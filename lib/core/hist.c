@@ -1,5 +1,6 @@
 #include <string.h>
-#include <vdna/hist.h>
+
+#include "count.h"
 
 /* see vdna/hist.h */
 void vdna_hist_config_init(vdna_hist_config *config)
@@ -45,49 +46,6 @@ vdna_status vdna_hist_init(const vdna_hist_config *config, void *mem, size_t mem
     return VDNA_OK;
 }
 
-/* One neuron's range, ready to bin with. */
-typedef struct axis {
-    double mid, half;
-    double bins;
-} axis;
-
-static axis axis_of(const vdna_hist *hist, size_t neuron)
-{
-    const double lo = hist->range[2 * neuron], hi = hist->range[2 * neuron + 1];
-    const axis a = {(lo + hi) / 2, (hi - lo) / 2, hist->bins};
-    return a;
-}
-
-/* Count one sample of `neuron`: the definition to the letter, half-open bins, the last closed. */
-static void count_sample(vdna_hist *hist, const axis *a, size_t neuron, float value)
-{
-    double x = ((double)value - a->mid) / a->half;
-    if (x < -1 || x > 1) {
-        hist->saturated[neuron]++;
-        x = x < 0 ? -1 : 1;
-    }
-    /* x + 1 is not negative, so the conversion is the floor. */
-    uint32_t bin = (uint32_t)((x + 1) * a->bins / 2);
-    if (bin > hist->bins - 1)
-        bin = hist->bins - 1;
-    hist->counts[(size_t)bin * hist->neurons + neuron]++;
-}
-
-/* Count one tap, whose first neuron is `first`. */
-static void count_tap(vdna_hist *hist, size_t first, const vdna_activations *tap)
-{
-    const int tokens = tap->layout == VDNA_LAYOUT_SAMPLES_NEURONS;
-    const size_t neuron_step = tokens ? 1 : tap->samples;
-    const size_t sample_step = tokens ? tap->neurons : 1;
-
-    for (size_t n = 0; n < tap->neurons; n++) {
-        const axis a = axis_of(hist, first + n);
-        for (size_t s = 0; s < tap->samples; s++)
-            count_sample(hist, &a, first + n, tap->values[n * neuron_step + s * sample_step]);
-        hist->mass[first + n] += tap->samples;
-    }
-}
-
 /* No count can exceed its neuron's mass, so capping the mass keeps every count from wrapping. */
 static int fits(const vdna_hist *hist, const vdna_activations *taps, size_t tap_count)
 {
@@ -112,12 +70,7 @@ vdna_status vdna_hist_add(vdna_hist *hist, const vdna_activations *taps, size_t 
     if (!fits(hist, taps, tap_count))
         return VDNA_ERR_FULL;
 
-    size_t first = 0;
-    for (size_t t = 0; t < tap_count; t++) {
-        count_tap(hist, first, &taps[t]);
-        first += taps[t].neurons;
-    }
-    hist->frames++;
+    vdna_count_frame(hist, taps, tap_count, NULL);
     return VDNA_OK;
 }
 
