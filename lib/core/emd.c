@@ -73,11 +73,30 @@ static vdna_status exact_sums(const vdna_hist_view *p, const vdna_hist_view *q, 
     return VDNA_OK;
 }
 
-/* The one division of a neuron's distance. */
+/* Up to here integers are doubles without rounding. */
+#define EXACT_DOUBLES ((uint64_t)1 << 53)
+
+/* sum / mass rounded to nearest: by long division to 55 bits, of which the last one says whether
+ * anything lies below, so that only the conversion to double rounds. mass is below 2^63. */
+static double long_quotient(uint64_t sum, uint64_t mass)
+{
+    uint64_t whole = sum / mass, rest = sum % mass;
+    double unit = 1;
+    for (; whole < 2 * EXACT_DOUBLES; unit /= 2) {
+        const uint64_t bit = 2 * rest >= mass;
+        whole = 2 * whole + bit;
+        rest = 2 * rest - bit * mass;
+    }
+    return (double)(whole | (rest != 0)) * unit;
+}
+
+/* The distance of one neuron: the fraction, rounded once. */
 static double emd_of(const vdna_hist_view *p, const vdna_hist_view *q, const work *w, size_t n)
 {
-    const uint64_t mass = (uint64_t)p->mass[n] * q->mass[n];
-    return (double)w->sum[n] / (double)mass;
+    const uint64_t mass = (uint64_t)p->mass[n] * q->mass[n], sum = (uint64_t)w->sum[n];
+    if (sum == 0 || (sum < EXACT_DOUBLES && mass < EXACT_DOUBLES))
+        return (double)sum / (double)mass;
+    return long_quotient(sum, mass);
 }
 
 /* see vdna/emd.h */

@@ -3,7 +3,8 @@
  *
  *  Per neuron: the sum over the bins of |P[b] - Q[b]|, P and Q being the cumulative counts divided
  *  by their mass. Its unit is bins: moving every sample by k bins gives k. It is summed in
- *  integers and divided once, so the same counts give the same bits on every machine.
+ *  integers, divided and rounded once, so it is the double nearest to the true distance, and the
+ *  same counts give the same bits on every machine.
  */
 #ifndef VDNA_EMD_H
 #define VDNA_EMD_H
