@@ -80,6 +80,12 @@ static size_t words_of(const vdna_hist *hist)
     return (size_t)hist->neurons * (hist->bins + 2u);
 }
 
+static vdna_hist_view view_of(const vdna_hist *hist)
+{
+    const vdna_hist_view view = {hist->range, hist->counts, hist->mass, hist->neurons, hist->bins};
+    return view;
+}
+
 /* Ranges are the same if their bytes are: histograms of one map share theirs or have a copy. */
 static vdna_status check_same_shape(const vdna_hist_view *a, const vdna_hist_view *b)
 {
@@ -95,9 +101,7 @@ static vdna_status check_addends(const vdna_hist *a, const vdna_hist *b)
 {
     if (!a || !b)
         return VDNA_ERR_ARG;
-    vdna_hist_view view_a, view_b;
-    vdna_hist_view_of(a, &view_a);
-    vdna_hist_view_of(b, &view_b);
+    const vdna_hist_view view_a = view_of(a), view_b = view_of(b);
     return check_same_shape(&view_a, &view_b);
 }
 
@@ -153,11 +157,7 @@ void vdna_hist_view_of(const vdna_hist *hist, vdna_hist_view *out_view)
 {
     if (!hist || !out_view)
         return;
-    out_view->range = hist->range;
-    out_view->counts = hist->counts;
-    out_view->mass = hist->mass;
-    out_view->neurons = hist->neurons;
-    out_view->bins = hist->bins;
+    *out_view = view_of(hist);
 }
 
 static int is_view(const vdna_hist_view *view)
