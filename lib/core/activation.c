@@ -1,5 +1,25 @@
 #include <math.h>
-#include <vdna/activation.h>
+
+#include "shape.h"
+
+/* see shape.h */
+vdna_status vdna_taps_shape(const vdna_activations *taps, size_t tap_count, uint32_t *out_neurons)
+{
+    if (!taps || tap_count == 0)
+        return VDNA_ERR_ARG;
+    uint32_t neurons = 0;
+    for (size_t t = 0; t < tap_count; t++) {
+        if (taps[t].neurons == 0 || taps[t].samples == 0 ||
+            taps[t].layout > VDNA_LAYOUT_NEURONS_SAMPLES ||
+            taps[t].samples > SIZE_MAX / sizeof(float) / taps[t].neurons)
+            return VDNA_ERR_ARG;
+        if (taps[t].neurons > UINT32_MAX - neurons)
+            return VDNA_ERR_MISMATCH;
+        neurons += taps[t].neurons;
+    }
+    *out_neurons = neurons;
+    return VDNA_OK;
+}
 
 /* Without an early exit, so that the loop vectorises: good frames are the rule. */
 static int all_finite(const float *values, size_t count)
@@ -13,19 +33,13 @@ static int all_finite(const float *values, size_t count)
 /* see vdna/activation.h */
 vdna_status vdna_activations_check(const vdna_activations *taps, size_t tap_count, uint32_t neurons)
 {
-    if (!taps || tap_count == 0)
-        return VDNA_ERR_ARG;
-
-    uint64_t total = 0;
-    for (size_t t = 0; t < tap_count; t++) {
-        if (!taps[t].values || taps[t].neurons == 0 || taps[t].samples == 0 ||
-            taps[t].layout > VDNA_LAYOUT_NEURONS_SAMPLES)
+    uint32_t total;
+    const vdna_status status = vdna_taps_shape(taps, tap_count, &total);
+    if (status != VDNA_OK)
+        return status;
+    for (size_t t = 0; t < tap_count; t++)
+        if (!taps[t].values)
             return VDNA_ERR_ARG;
-        /* Bounded at each step, so the sum cannot wrap however many taps are claimed. */
-        total += taps[t].neurons;
-        if (total > neurons)
-            return VDNA_ERR_MISMATCH;
-    }
     if (total != neurons)
         return VDNA_ERR_MISMATCH;
 

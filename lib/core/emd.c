@@ -14,40 +14,29 @@ size_t vdna_emd_scratch_size(uint32_t neurons)
     return size <= SIZE_MAX / 2 ? (size_t)size : 0;
 }
 
-static int is_view(const vdna_hist_view *view)
-{
-    return view && view->range && view->counts && view->mass && view->neurons > 0 &&
-           view->bins >= VDNA_HIST_BINS_MIN && view->bins <= VDNA_HIST_BINS_MAX;
-}
-
 /* Every value of a sum is at most mass_p * mass_q, and the last bin adds nothing, because both
  * cumulative histograms end at 1. */
-static vdna_status check_masses(const vdna_hist_view *p, const vdna_hist_view *q)
+static vdna_status check_bound(const vdna_hist_view *p, const vdna_hist_view *q)
 {
     const uint64_t most = (uint64_t)INT64_MAX / (p->bins - 1);
-    for (size_t n = 0; n < p->neurons; n++) {
-        if (p->mass[n] == 0 || q->mass[n] == 0)
-            return VDNA_ERR_EMPTY;
+    for (size_t n = 0; n < p->neurons; n++)
         if ((uint64_t)p->mass[n] * q->mass[n] > most)
             return VDNA_ERR_OVERFLOW;
-    }
     return VDNA_OK;
 }
 
-static vdna_status check_pair(const vdna_hist_view *p, const vdna_hist_view *q, const void *scratch,
-                              size_t scratch_size)
+static vdna_status check_arguments(const vdna_hist_view *p, const vdna_hist_view *q,
+                                   const void *scratch, size_t scratch_size)
 {
-    if (!is_view(p) || !is_view(q) || !scratch || (uintptr_t)scratch % sizeof(int64_t) != 0)
+    if (!scratch || (uintptr_t)scratch % sizeof(int64_t) != 0)
         return VDNA_ERR_ARG;
-    if (p->neurons != q->neurons || p->bins != q->bins)
-        return VDNA_ERR_MISMATCH;
+    const vdna_status status = vdna_hist_view_check_pair(p, q);
+    if (status != VDNA_OK)
+        return status;
     const size_t needed = vdna_emd_scratch_size(p->neurons);
     if (needed == 0 || scratch_size < needed)
         return VDNA_ERR_NOMEM;
-    if (p->range != q->range &&
-        memcmp(p->range, q->range, 2 * sizeof(float) * (size_t)p->neurons) != 0)
-        return VDNA_ERR_MISMATCH;
-    return check_masses(p, q);
+    return check_bound(p, q);
 }
 
 /* The exact sums of all neurons. Row by row: each row is one pass over memory that vectorises. */
@@ -75,7 +64,7 @@ static void sum_rows(const vdna_hist_view *p, const vdna_hist_view *q, const wor
 static vdna_status exact_sums(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
                               size_t scratch_size, work *out_work)
 {
-    const vdna_status status = check_pair(p, q, scratch, scratch_size);
+    const vdna_status status = check_arguments(p, q, scratch, scratch_size);
     if (status != VDNA_OK)
         return status;
     out_work->difference = scratch;
@@ -84,11 +73,30 @@ static vdna_status exact_sums(const vdna_hist_view *p, const vdna_hist_view *q, 
     return VDNA_OK;
 }
 
-/* The one division of a neuron's distance. */
+/* Up to here integers are doubles without rounding. */
+#define EXACT_DOUBLES ((uint64_t)1 << 53)
+
+/* sum / mass rounded to nearest: by long division to 55 bits, of which the last one says whether
+ * anything lies below, so that only the conversion to double rounds. mass is below 2^63. */
+static double long_quotient(uint64_t sum, uint64_t mass)
+{
+    uint64_t whole = sum / mass, rest = sum % mass;
+    double unit = 1;
+    for (; whole < 2 * EXACT_DOUBLES; unit /= 2) {
+        const uint64_t bit = 2 * rest >= mass;
+        whole = 2 * whole + bit;
+        rest = 2 * rest - bit * mass;
+    }
+    return (double)(whole | (rest != 0)) * unit;
+}
+
+/* The distance of one neuron: the fraction, rounded once. */
 static double emd_of(const vdna_hist_view *p, const vdna_hist_view *q, const work *w, size_t n)
 {
-    const uint64_t mass = (uint64_t)p->mass[n] * q->mass[n];
-    return (double)w->sum[n] / (double)mass;
+    const uint64_t mass = (uint64_t)p->mass[n] * q->mass[n], sum = (uint64_t)w->sum[n];
+    if (sum == 0 || (sum < EXACT_DOUBLES && mass < EXACT_DOUBLES))
+        return (double)sum / (double)mass;
+    return long_quotient(sum, mass);
 }
 
 /* see vdna/emd.h */

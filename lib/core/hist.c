@@ -1,5 +1,6 @@
 #include <string.h>
-#include <vdna/hist.h>
+
+#include "count.h"
 
 /* see vdna/hist.h */
 void vdna_hist_config_init(vdna_hist_config *config)
@@ -45,49 +46,6 @@ vdna_status vdna_hist_init(const vdna_hist_config *config, void *mem, size_t mem
     return VDNA_OK;
 }
 
-/* One neuron's range, ready to bin with. */
-typedef struct axis {
-    double mid, half;
-    double bins;
-} axis;
-
-static axis axis_of(const vdna_hist *hist, size_t neuron)
-{
-    const double lo = hist->range[2 * neuron], hi = hist->range[2 * neuron + 1];
-    const axis a = {(lo + hi) / 2, (hi - lo) / 2, hist->bins};
-    return a;
-}
-
-/* Count one sample of `neuron`: the definition to the letter, half-open bins, the last closed. */
-static void count_sample(vdna_hist *hist, const axis *a, size_t neuron, float value)
-{
-    double x = ((double)value - a->mid) / a->half;
-    if (x < -1 || x > 1) {
-        hist->saturated[neuron]++;
-        x = x < 0 ? -1 : 1;
-    }
-    /* x + 1 is not negative, so the conversion is the floor. */
-    uint32_t bin = (uint32_t)((x + 1) * a->bins / 2);
-    if (bin > hist->bins - 1)
-        bin = hist->bins - 1;
-    hist->counts[(size_t)bin * hist->neurons + neuron]++;
-}
-
-/* Count one tap, whose first neuron is `first`. */
-static void count_tap(vdna_hist *hist, size_t first, const vdna_activations *tap)
-{
-    const int tokens = tap->layout == VDNA_LAYOUT_SAMPLES_NEURONS;
-    const size_t neuron_step = tokens ? 1 : tap->samples;
-    const size_t sample_step = tokens ? tap->neurons : 1;
-
-    for (size_t n = 0; n < tap->neurons; n++) {
-        const axis a = axis_of(hist, first + n);
-        for (size_t s = 0; s < tap->samples; s++)
-            count_sample(hist, &a, first + n, tap->values[n * neuron_step + s * sample_step]);
-        hist->mass[first + n] += tap->samples;
-    }
-}
-
 /* No count can exceed its neuron's mass, so capping the mass keeps every count from wrapping. */
 static int fits(const vdna_hist *hist, const vdna_activations *taps, size_t tap_count)
 {
@@ -112,12 +70,7 @@ vdna_status vdna_hist_add(vdna_hist *hist, const vdna_activations *taps, size_t 
     if (!fits(hist, taps, tap_count))
         return VDNA_ERR_FULL;
 
-    size_t first = 0;
-    for (size_t t = 0; t < tap_count; t++) {
-        count_tap(hist, first, &taps[t]);
-        first += taps[t].neurons;
-    }
-    hist->frames++;
+    vdna_count_frame(hist, taps, tap_count, NULL);
     return VDNA_OK;
 }
 
@@ -127,20 +80,35 @@ static size_t words_of(const vdna_hist *hist)
     return (size_t)hist->neurons * (hist->bins + 2u);
 }
 
-static vdna_status check_same_shape(const vdna_hist *a, const vdna_hist *b)
+static vdna_hist_view view_of(const vdna_hist *hist)
 {
-    if (!a || !b)
-        return VDNA_ERR_ARG;
-    if (a->neurons != b->neurons || a->bins != b->bins ||
+    const vdna_hist_view view = {hist->range, hist->counts, hist->mass, hist->neurons, hist->bins};
+    return view;
+}
+
+/* Ranges are the same if their bytes are: histograms of one map share theirs or have a copy. */
+static vdna_status check_same_shape(const vdna_hist_view *a, const vdna_hist_view *b)
+{
+    if (a->neurons != b->neurons || a->bins != b->bins)
+        return VDNA_ERR_MISMATCH;
+    if (a->range != b->range &&
         memcmp(a->range, b->range, 2 * sizeof(float) * (size_t)a->neurons) != 0)
         return VDNA_ERR_MISMATCH;
     return VDNA_OK;
 }
 
+static vdna_status check_addends(const vdna_hist *a, const vdna_hist *b)
+{
+    if (!a || !b)
+        return VDNA_ERR_ARG;
+    const vdna_hist_view view_a = view_of(a), view_b = view_of(b);
+    return check_same_shape(&view_a, &view_b);
+}
+
 /* see vdna/hist.h */
 vdna_status vdna_hist_merge(vdna_hist *hist, const vdna_hist *other)
 {
-    const vdna_status status = check_same_shape(hist, other);
+    const vdna_status status = check_addends(hist, other);
     if (status != VDNA_OK)
         return status;
     if (other->frames > UINT32_MAX - hist->frames)
@@ -159,7 +127,7 @@ vdna_status vdna_hist_merge(vdna_hist *hist, const vdna_hist *other)
 /* see vdna/hist.h */
 vdna_status vdna_hist_subtract(vdna_hist *hist, const vdna_hist *other)
 {
-    const vdna_status status = check_same_shape(hist, other);
+    const vdna_status status = check_addends(hist, other);
     if (status != VDNA_OK)
         return status;
     const size_t words = words_of(hist);
@@ -189,9 +157,25 @@ void vdna_hist_view_of(const vdna_hist *hist, vdna_hist_view *out_view)
 {
     if (!hist || !out_view)
         return;
-    out_view->range = hist->range;
-    out_view->counts = hist->counts;
-    out_view->mass = hist->mass;
-    out_view->neurons = hist->neurons;
-    out_view->bins = hist->bins;
+    *out_view = view_of(hist);
+}
+
+static int is_view(const vdna_hist_view *view)
+{
+    return view && view->range && view->counts && view->mass && view->neurons > 0 &&
+           view->bins >= VDNA_HIST_BINS_MIN && view->bins <= VDNA_HIST_BINS_MAX;
+}
+
+/* see vdna/hist.h */
+vdna_status vdna_hist_view_check_pair(const vdna_hist_view *p, const vdna_hist_view *q)
+{
+    if (!is_view(p) || !is_view(q))
+        return VDNA_ERR_ARG;
+    const vdna_status status = check_same_shape(p, q);
+    if (status != VDNA_OK)
+        return status;
+    for (size_t n = 0; n < p->neurons; n++)
+        if (p->mass[n] == 0 || q->mass[n] == 0)
+            return VDNA_ERR_EMPTY;
+    return VDNA_OK;
 }

@@ -1,4 +1,3 @@
-#include <math.h>
 #include <string.h>
 #include <vdna/select.h>
 
@@ -67,13 +66,11 @@ size_t vdna_select_mem_size(const vdna_select_config *config)
 
 /* Candidates that compare with the first one compare with the live histogram, which has its
  * shape and range. */
-static vdna_status check_candidates(const vdna_select_config *config, void *scratch,
-                                    size_t scratch_size)
+static vdna_status check_candidates(const vdna_select_config *config)
 {
     for (uint32_t i = 0; i < config->candidate_count; i++) {
-        double unused;
-        const vdna_status status = vdna_emd_mean(
-            &config->candidates[0].dna, &config->candidates[i].dna, scratch, scratch_size, &unused);
+        const vdna_status status =
+            vdna_hist_view_check_pair(&config->candidates[0].dna, &config->candidates[i].dna);
         if (status != VDNA_OK)
             return status;
     }
@@ -89,6 +86,9 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
         return VDNA_ERR_ARG;
     if (mem_size < l.total)
         return VDNA_ERR_NOMEM;
+    vdna_status status = check_candidates(config);
+    if (status != VDNA_OK)
+        return status;
 
     unsigned char *block = mem;
     vdna_select s;
@@ -98,9 +98,6 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
     s.views = (vdna_hist_view *)(void *)(block + l.ranking);
     s.scratch = block + l.ranking + l.views;
     s.scratch_size = l.scratch;
-    vdna_status status = check_candidates(config, s.scratch, s.scratch_size);
-    if (status != VDNA_OK)
-        return status;
     status = vdna_hist_init(&l.live, block + l.ranking + l.views + l.scratch, l.hist, &s.live);
     if (status != VDNA_OK)
         return status;
@@ -185,14 +182,6 @@ static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame,
     return select->live.frames == select->config.warmup_frames ? choose(select, answer) : VDNA_OK;
 }
 
-static int all_finite(const float *values, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        if (!isfinite(values[i]))
-            return 0;
-    return 1;
-}
-
 /* Everything that can be wrong with a frame, before any of it is used. */
 static vdna_status check_frame(const vdna_select *select, const vdna_select_frame *frame)
 {
@@ -202,7 +191,9 @@ static vdna_status check_frame(const vdna_select *select, const vdna_select_fram
         vdna_activations_check(frame->taps, frame->tap_count, select->live.neurons);
     if (status != VDNA_OK)
         return status;
-    return all_finite(frame->embedding, select->config.dim) ? VDNA_OK : VDNA_ERR_NONFINITE;
+    /* To be finite is asked of the embedding just as of a tap with one sample. */
+    const vdna_activations embedding = {frame->embedding, select->config.dim, 1, 0};
+    return vdna_activations_check(&embedding, 1, select->config.dim);
 }
 
 static vdna_status take(vdna_select *select, const vdna_select_frame *frame,

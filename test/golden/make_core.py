@@ -15,28 +15,28 @@ import numpy as np
 NEURONS, BINS, FRAMES_P, FRAMES_Q = 6, 17, 40, 23
 
 
-def bin_of(value, lo, hi):
+def bin_of(value, lo, hi, bins):
     mid, half = (lo + hi) / 2, (hi - lo) / 2
     x = min(1.0, max(-1.0, (value - mid) / half))
-    return min(BINS - 1, math.floor((x + 1) * BINS / 2))
+    return min(bins - 1, math.floor((x + 1) * bins / 2))
 
 
 def histogram(activations, ranges):
     counts = [[0] * NEURONS for _ in range(BINS)]
     for frame in activations:
         for n, value in enumerate(frame):
-            counts[bin_of(float(value), float(ranges[n][0]), float(ranges[n][1]))][n] += 1
+            counts[bin_of(float(value), float(ranges[n][0]), float(ranges[n][1]), BINS)][n] += 1
     return counts
 
 
-def emd(p, q, neuron):
-    mass_p, mass_q = sum(row[neuron] for row in p), sum(row[neuron] for row in q)
-    below_p = below_q = 0
-    total = Fraction(0)
-    for row_p, row_q in zip(p, q):
-        below_p, below_q = below_p + row_p[neuron], below_q + row_q[neuron]
-        total += abs(Fraction(below_p, mass_p) - Fraction(below_q, mass_q))
-    return total
+def emd(p, q):
+    """Of one neuron, whose counts are p and q: the exact fraction."""
+    mass_p, mass_q = sum(p), sum(q)
+    below_p = below_q = total = 0
+    for count_p, count_q in zip(p, q):
+        below_p, below_q = below_p + count_p, below_q + count_q
+        total += abs(below_p * mass_q - below_q * mass_p)
+    return Fraction(total, mass_p * mass_q)
 
 
 def c_array(kind, name, values, form):
@@ -55,7 +55,7 @@ def main():
     ranges[5] = (-0.75, 1.25)
 
     counts_p, counts_q = histogram(p, ranges), histogram(q, ranges)
-    distances = [emd(counts_p, counts_q, n) for n in range(NEURONS)]
+    distances = [emd(p, q) for p, q in zip(zip(*counts_p), zip(*counts_q))]
 
     def as_float(v):
         text = f"{v:.9g}"

@@ -150,6 +150,8 @@ static void taps_that_are_not_the_neurons_of_the_histogram_are_refused(void **st
     assert_int_equal(vdna_hist_add(&hist, &no_samples, 1), VDNA_ERR_ARG);
     assert_int_equal(vdna_hist_add(&hist, &no_values, 1), VDNA_ERR_ARG);
     assert_int_equal(vdna_hist_add(&hist, &bad_layout, 1), VDNA_ERR_ARG);
+    const vdna_activations beyond_memory = {values, UINT32_MAX, UINT32_MAX, 0};
+    assert_int_equal(vdna_hist_add(&hist, &beyond_memory, 1), VDNA_ERR_ARG);
     assert_int_equal(vdna_hist_add(&hist, NULL, 1), VDNA_ERR_ARG);
     assert_int_equal(vdna_hist_add(&hist, &too_few, 0), VDNA_ERR_ARG);
     assert_int_equal(vdna_hist_add(NULL, &too_few, 1), VDNA_ERR_ARG);

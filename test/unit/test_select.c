@@ -225,6 +225,38 @@ static void candidates_that_do_not_compare_are_refused_at_init(void **state)
     assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_ERR_MISMATCH);
 }
 
+static void candidates_need_not_be_within_the_exact_bound_of_one_another(void **state)
+{
+    (void)state;
+    /* Only distances to the live window are ever computed, and its masses are small. */
+    const uint32_t huge_low[BINS] = {UINT32_MAX}, huge_high[BINS] = {0, 0, 0, UINT32_MAX};
+    const uint32_t huge = UINT32_MAX;
+    vdna_select_candidate pair[2];
+    memcpy(pair, candidates, sizeof pair);
+    pair[0].dna.counts = huge_low;
+    pair[1].dna.counts = huge_high;
+    pair[0].dna.mass = pair[1].dna.mass = &huge;
+    vdna_select_config config = by_frames(1);
+    config.candidates = pair;
+    vdna_select select = selector(config);
+    feed(&select, 0, 3.5f, 5);
+    assert_int_equal(select.chosen, 1);
+    assert_true(select.margin_bins == 3);
+}
+
+static void a_candidate_without_samples_is_refused_at_init(void **state)
+{
+    (void)state;
+    const uint32_t none = 0;
+    vdna_select_candidate pair[2];
+    memcpy(pair, candidates, sizeof pair);
+    pair[1].dna.mass = &none;
+    vdna_select_config config = by_frames(1);
+    config.candidates = pair;
+    vdna_select select;
+    assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_ERR_EMPTY);
+}
+
 static void exactly_one_kind_of_warmup_must_be_given(void **state)
 {
     (void)state;
@@ -265,6 +297,8 @@ int main(void)
         cmocka_unit_test(a_single_candidate_is_chosen_with_margin_zero),
         cmocka_unit_test(progress_runs_from_zero_to_one),
         cmocka_unit_test(candidates_that_do_not_compare_are_refused_at_init),
+        cmocka_unit_test(candidates_need_not_be_within_the_exact_bound_of_one_another),
+        cmocka_unit_test(a_candidate_without_samples_is_refused_at_init),
         cmocka_unit_test(exactly_one_kind_of_warmup_must_be_given),
         cmocka_unit_test(the_block_may_not_be_a_byte_too_small_nor_misaligned),
     };

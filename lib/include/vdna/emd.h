@@ -3,7 +3,8 @@
  *
  *  Per neuron: the sum over the bins of |P[b] - Q[b]|, P and Q being the cumulative counts divided
  *  by their mass. Its unit is bins: moving every sample by k bins gives k. It is summed in
- *  integers and divided once, so the same counts give the same bits on every machine.
+ *  integers, divided and rounded once, so it is the double nearest to the true distance, and the
+ *  same counts give the same bits on every machine.
  */
 #ifndef VDNA_EMD_H
 #define VDNA_EMD_H
@@ -19,12 +20,12 @@ extern "C" {
 VDNA_API size_t vdna_emd_scratch_size(uint32_t neurons);
 
 /** Distance of each neuron.
- *  @param p, q     same shape and same range values
+ *  @param p, q     compare, as vdna_hist_view_check_pair() says
  *  @param scratch  aligned for int64_t, vdna_emd_scratch_size() bytes, overwritten
  *  @param out_emd_bins  [neurons], 0..bins-1
- *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NOMEM if the scratch is too small; VDNA_ERR_MISMATCH if
- *          shapes or ranges differ; VDNA_ERR_EMPTY if a neuron has no samples; VDNA_ERR_OVERFLOW
- *          if mass_p * mass_q * (bins - 1) passes INT64_MAX for a neuron */
+ *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_MISMATCH or VDNA_ERR_EMPTY if they do not compare;
+ *          VDNA_ERR_NOMEM if the scratch is too small; VDNA_ERR_OVERFLOW if
+ *          mass_p * mass_q * (bins - 1) passes INT64_MAX for a neuron */
 VDNA_API vdna_status vdna_emd(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
                               size_t scratch_size, double *out_emd_bins);
 

@@ -86,6 +86,12 @@ VDNA_API void vdna_hist_reset(vdna_hist *hist);
 /** Look at a histogram; the view follows later changes. */
 VDNA_API void vdna_hist_view_of(const vdna_hist *hist, vdna_hist_view *out_view);
 
+/** Check that two histograms compare: distances between them mean something.
+ *  @return VDNA_OK; VDNA_ERR_ARG if a view is not valid (a NULL, neurons or bins out of range);
+ *          VDNA_ERR_MISMATCH if shapes or range values differ; VDNA_ERR_EMPTY if a neuron of
+ *          either has no samples */
+VDNA_API vdna_status vdna_hist_view_check_pair(const vdna_hist_view *p, const vdna_hist_view *q);
+
 #ifdef __cplusplus
 }
 #endif

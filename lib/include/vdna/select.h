@@ -87,7 +87,7 @@ VDNA_API size_t vdna_select_mem_size(const vdna_select_config *config);
 /** Make a selector in `mem`, which must stay valid while `out_select` is in use.
  *  @param mem  aligned for int64_t, `mem_size` bytes
  *  @return VDNA_OK; VDNA_ERR_ARG for a bad config or alignment; VDNA_ERR_NOMEM if too small;
- *          VDNA_ERR_MISMATCH if the candidates do not compare with one another */
+ *          VDNA_ERR_MISMATCH or VDNA_ERR_EMPTY if the candidates do not compare with one another */
 VDNA_API vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t mem_size,
                                       vdna_select *out_select);
 

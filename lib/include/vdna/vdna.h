@@ -1,11 +1,11 @@
 /** @file vdna/vdna.h
  *  @brief Onboard experience selection: umbrella header and the conventions of the whole API.
  *
- *  Memory. The C99 part (activation, range, hist, emd, rank, knn, select) never allocates. An
- *  object with a variable size lives in a block that the caller provides: ask `vdna_X_mem_size()`,
- *  hand the block to `vdna_X_init()`, keep it while the object is in use, and free it yourself;
- *  there is nothing to destroy. Objects that hold something of the operating system (an
- *  experience file, a network, an LCM socket) have `_open()` and `_close()` instead.
+ *  Memory. The C99 part (activation, range, hist, window, emd, rank, knn, select) never allocates.
+ *  An object with a variable size lives in a block that the caller provides: ask
+ *  `vdna_X_mem_size()`, hand the block to `vdna_X_init()`, keep it while the object is in use, and
+ *  free it yourself; there is nothing to destroy. Objects that hold something of the operating
+ *  system (an experience file, a network, an LCM socket) have `_open()` and `_close()` instead.
  *
  *  Pointers. `const` inputs are borrowed for the length of the call unless their comment says for
  *  how long. Outputs come last, are named `out_...`, and are untouched when a call fails. NULL is
@@ -35,5 +35,6 @@
 #include <vdna/select.h>
 #include <vdna/status.h>
 #include <vdna/version.h>
+#include <vdna/window.h>
 
 #endif

@@ -1,0 +1,395 @@
+/* What must hold for all histograms, tried on random ones. Everything follows from SEED and the
+ * number of the case, which a failure prints. */
+#include <math.h>
+#include <string.h>
+#include <vdna/emd.h>
+
+#include "cmocka_all.h"
+
+enum { SEED = 20260403, CASES = 10000, NEURONS_MOST = 7, SMALL_MASS = 1000 };
+
+/* One double rounding is at most this much of its result. */
+#define ROUNDING ldexp(1, -53)
+
+static uint64_t random_state;
+static uint32_t current_case;
+
+#define CHECK(condition)                                                            \
+    do {                                                                            \
+        if (!(condition))                                                           \
+            fail_msg("case %u of seed %d: not %s", current_case, SEED, #condition); \
+    } while (0)
+
+static void begin_case(uint32_t number)
+{
+    current_case = number;
+    random_state = ((uint64_t)SEED << 32) + number;
+}
+
+/* splitmix64 */
+static uint64_t random_word(void)
+{
+    uint64_t x = random_state += 0x9e3779b97f4a7c15u;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+}
+
+static uint32_t random_below(uint32_t limit)
+{
+    return (uint32_t)(random_word() % limit);
+}
+
+/* ---- Histograms written out directly, with any mass ---- */
+
+enum { BINS_MOST = 1000, COUNTS_MOST = NEURONS_MOST * BINS_MOST };
+
+typedef struct dna {
+    uint32_t counts[COUNTS_MOST], mass[NEURONS_MOST];
+} dna;
+
+static float unit_range[2 * NEURONS_MOST];
+static uint32_t neurons, bins;
+
+static vdna_hist_view view_of(const dna *d)
+{
+    const vdna_hist_view view = {unit_range, d->counts, d->mass, neurons, bins};
+    return view;
+}
+
+static void random_shape(void)
+{
+    static const uint32_t some_bins[] = {2, 3, 5, 17, 256, BINS_MOST};
+    neurons = 1 + random_below(NEURONS_MOST);
+    bins = some_bins[random_below(6)];
+    for (uint32_t n = 0; n < neurons; n++)
+        unit_range[2 * n + 1] = 1;
+}
+
+/* The largest mass that compares with itself. */
+static uint32_t largest_mass(void)
+{
+    const double most = floor(sqrt((double)(INT64_MAX / (int64_t)(bins - 1)))) - 1;
+    return most < UINT32_MAX ? (uint32_t)most : UINT32_MAX;
+}
+
+static void put(dna *d, uint32_t neuron, uint32_t bin, uint32_t count)
+{
+    d->counts[bin * neurons + neuron] += count;
+    d->mass[neuron] += count;
+}
+
+/* Heaps of samples in the first `width` bins, at most `mass_most` in each neuron: one sample, one
+ * heap, two heaps at the ends, or many. */
+static void random_dna(dna *d, uint32_t width, uint32_t mass_most)
+{
+    memset(d, 0, sizeof *d);
+    for (uint32_t n = 0; n < neurons; n++) {
+        const uint32_t heaps = 1 + random_below(random_below(2) ? 2 : 12);
+        const uint32_t most = random_below(2) ? 1 + random_below(4) : mass_most;
+        const int ends = random_below(4) == 0;
+        for (uint32_t h = 0; h < heaps; h++) {
+            const uint32_t room = most / heaps ? most / heaps : 1;
+            put(d, n, ends ? h % 2 * (width - 1) : random_below(width),
+                random_below(4) == 0 ? room : 1 + random_below(room));
+        }
+    }
+}
+
+static uint32_t random_mass(void)
+{
+    return random_below(2) ? SMALL_MASS : largest_mass();
+}
+
+static void distances(const dna *p, const dna *q, double out_emd[NEURONS_MOST])
+{
+    const vdna_hist_view view_p = view_of(p), view_q = view_of(q);
+    int64_t scratch[2 * NEURONS_MOST];
+    CHECK(vdna_emd(&view_p, &view_q, scratch, sizeof scratch, out_emd) == VDNA_OK);
+}
+
+static void a_shift_by_k_bins_is_at_distance_k(void **state)
+{
+    (void)state;
+    static dna p, q;
+    for (uint32_t c = 0; c < CASES; c++) {
+        begin_case(c);
+        random_shape();
+        const uint32_t k = random_below(bins), mass = random_mass();
+        random_dna(&p, bins - k, mass);
+        memset(&q, 0, sizeof q);
+        for (uint32_t b = 0; b + k < bins; b++)
+            for (uint32_t n = 0; n < neurons; n++)
+                put(&q, n, b + k, p.counts[b * neurons + n]);
+        double emd[NEURONS_MOST];
+        distances(&p, &q, emd);
+        for (uint32_t n = 0; n < neurons; n++)
+            CHECK(emd[n] == k);
+    }
+}
+
+static void the_distance_is_symmetric(void **state)
+{
+    (void)state;
+    static dna p, q;
+    for (uint32_t c = 0; c < CASES; c++) {
+        begin_case(c);
+        random_shape();
+        const uint32_t mass = random_mass();
+        random_dna(&p, bins, mass);
+        random_dna(&q, bins, mass);
+        double forth[NEURONS_MOST], back[NEURONS_MOST];
+        distances(&p, &q, forth);
+        distances(&q, &p, back);
+        CHECK(memcmp(forth, back, neurons * sizeof *forth) == 0);
+        for (uint32_t n = 0; n < neurons; n++)
+            CHECK(forth[n] >= 0 && forth[n] <= bins - 1);
+    }
+}
+
+/* The integer that was divided: emd * mass_p * mass_q, exact for masses up to SMALL_MASS. */
+static uint64_t sum_of(double emd, uint32_t mass_p, uint32_t mass_q)
+{
+    return (uint64_t)(emd * mass_p * mass_q + 0.5);
+}
+
+/* For small masses in whole numbers, so exactly: with d = sum / (mass * mass), multiply
+ * d(p, r) <= d(p, q) + d(q, r) by all three masses. For large masses with the three roundings. */
+static void the_triangle_inequality_holds(void **state)
+{
+    (void)state;
+    static dna p, q, r;
+    for (uint32_t c = 0; c < CASES; c++) {
+        begin_case(c);
+        random_shape();
+        const uint32_t mass = random_mass();
+        random_dna(&p, bins, mass);
+        random_dna(&q, bins, mass);
+        random_dna(&r, bins, mass);
+        double pq[NEURONS_MOST], qr[NEURONS_MOST], pr[NEURONS_MOST];
+        distances(&p, &q, pq);
+        distances(&q, &r, qr);
+        distances(&p, &r, pr);
+        for (uint32_t n = 0; n < neurons; n++) {
+            const uint32_t m_p = p.mass[n], m_q = q.mass[n], m_r = r.mass[n];
+            CHECK(pr[n] <= (pq[n] + qr[n]) * (1 + 4 * ROUNDING));
+            if (mass == SMALL_MASS)
+                CHECK(sum_of(pr[n], m_p, m_r) * m_q <=
+                      sum_of(pq[n], m_p, m_q) * m_r + sum_of(qr[n], m_q, m_r) * m_p);
+        }
+    }
+}
+
+static int same_shares(const dna *p, const dna *q, uint32_t n)
+{
+    for (uint32_t b = 0; b < bins; b++)
+        if ((uint64_t)p->counts[b * neurons + n] * q->mass[n] !=
+            (uint64_t)q->counts[b * neurons + n] * p->mass[n])
+            return 0;
+    return 1;
+}
+
+/* The second histogram is the first times a factor, in half of the neurons with one sample moved
+ * by one bin: the least that can differ. */
+static void the_distance_is_zero_if_and_only_if_the_shares_are_equal(void **state)
+{
+    (void)state;
+    static dna p, q;
+    uint32_t zeros = 0;
+    for (uint32_t c = 0; c < CASES; c++) {
+        begin_case(c);
+        random_shape();
+        const uint32_t factor = 1 + random_below(5);
+        random_dna(&p, bins, random_below(2) ? SMALL_MASS : largest_mass() / 5);
+        q = p;
+        for (uint32_t i = 0; i < bins * neurons; i++)
+            q.counts[i] *= factor;
+        for (uint32_t n = 0; n < neurons; n++) {
+            q.mass[n] *= factor;
+            uint32_t *count = q.counts + random_below(bins - 1) * neurons + n;
+            if (random_below(2) && *count > 0) {
+                count[0]--;
+                count[neurons]++;
+            }
+        }
+        double emd[NEURONS_MOST];
+        distances(&p, &q, emd);
+        for (uint32_t n = 0; n < neurons; n++) {
+            CHECK((emd[n] == 0) == same_shares(&p, &q, n));
+            zeros += emd[n] == 0;
+        }
+    }
+    assert_true(zeros > CASES);
+}
+
+/* ---- Histograms of frames ---- */
+
+enum { FRAMES_MOST = 12, SAMPLES_MOST = 6, HIST_BINS_MOST = 33 };
+enum { VALUES_MOST = NEURONS_MOST * SAMPLES_MOST };
+enum { WORDS = NEURONS_MOST * (HIST_BINS_MOST + 2) };
+
+static float frames[FRAMES_MOST][VALUES_MOST], range[2 * NEURONS_MOST];
+static uint32_t frame_count, samples;
+
+typedef struct counted {
+    vdna_hist hist;
+    uint32_t mem[WORDS];
+} counted;
+
+static void empty(counted *c)
+{
+    vdna_hist_config config;
+    vdna_hist_config_init(&config);
+    config.neurons = neurons;
+    config.bins = bins;
+    config.range = range;
+    memset(c->mem, 0, sizeof c->mem);
+    CHECK(vdna_hist_init(&config, c->mem, sizeof c->mem, &c->hist) == VDNA_OK);
+}
+
+static void add_values(counted *c, const float *values, uint32_t count, uint32_t layout)
+{
+    const vdna_activations tap = {values, neurons, count, layout};
+    CHECK(vdna_hist_add(&c->hist, &tap, 1) == VDNA_OK);
+}
+
+static void add(counted *c, uint32_t frame)
+{
+    add_values(c, frames[frame], samples, VDNA_LAYOUT_SAMPLES_NEURONS);
+}
+
+static int same(const counted *a, const counted *b)
+{
+    return memcmp(a->mem, b->mem, sizeof a->mem) == 0 && a->hist.frames == b->hist.frames;
+}
+
+/* Ranges from tiny to huge and about zero or far from it; values in it, on its edges and beyond. */
+static void random_frames(void)
+{
+    neurons = 1 + random_below(NEURONS_MOST);
+    bins = 2 + random_below(HIST_BINS_MOST - 1);
+    samples = 1 + random_below(SAMPLES_MOST);
+    frame_count = 2 + random_below(FRAMES_MOST - 1);
+    for (uint32_t n = 0; n < neurons; n++) {
+        const double width = ldexp(1 + random_below(9), (int)random_below(120) - 60);
+        const double lo = random_below(2) ? -width * random_below(2) : width * random_below(1000);
+        range[2 * n] = (float)lo;
+        range[2 * n + 1] = (float)(lo + width);
+    }
+    for (uint32_t f = 0; f < frame_count; f++)
+        for (uint32_t i = 0; i < neurons * samples; i++) {
+            const float *lo_hi = range + 2 * (i % neurons);
+            const float at = (float)((int)random_below(2 * bins) - (int)bins / 2) / (float)bins;
+            frames[f][i] = lo_hi[0] + at * (lo_hi[1] - lo_hi[0]);
+        }
+}
+
+static void merging_commutes_and_associates_and_subtracting_undoes_it(void **state)
+{
+    (void)state;
+    static counted a, b, c, ab, ba, bc, left, right;
+    for (uint32_t number = 0; number < CASES; number++) {
+        begin_case(number);
+        random_frames();
+        empty(&a), empty(&b), empty(&c), empty(&ab), empty(&ba), empty(&bc), empty(&left);
+        empty(&right);
+        counted *parts[] = {&a, &b, &c};
+        for (uint32_t f = 0; f < frame_count; f++)
+            add(parts[random_below(3)], f);
+
+        CHECK(vdna_hist_merge(&ab.hist, &a.hist) == VDNA_OK);
+        CHECK(vdna_hist_merge(&ab.hist, &b.hist) == VDNA_OK);
+        CHECK(vdna_hist_merge(&ba.hist, &b.hist) == VDNA_OK);
+        CHECK(vdna_hist_merge(&ba.hist, &a.hist) == VDNA_OK);
+        CHECK(same(&ab, &ba));
+
+        CHECK(vdna_hist_merge(&left.hist, &ab.hist) == VDNA_OK);
+        CHECK(vdna_hist_merge(&left.hist, &c.hist) == VDNA_OK);
+        CHECK(vdna_hist_merge(&bc.hist, &b.hist) == VDNA_OK);
+        CHECK(vdna_hist_merge(&bc.hist, &c.hist) == VDNA_OK);
+        CHECK(vdna_hist_merge(&right.hist, &a.hist) == VDNA_OK);
+        CHECK(vdna_hist_merge(&right.hist, &bc.hist) == VDNA_OK);
+        CHECK(same(&left, &right));
+
+        CHECK(vdna_hist_subtract(&left.hist, &c.hist) == VDNA_OK);
+        CHECK(same(&left, &ab));
+        CHECK(vdna_hist_subtract(&right.hist, &right.hist) == VDNA_OK);
+        empty(&left);
+        CHECK(same(&right, &left));
+    }
+}
+
+static void shuffle(uint32_t *order, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        order[i] = i;
+    for (uint32_t i = count; i > 1; i--) {
+        const uint32_t j = random_below(i), kept = order[i - 1];
+        order[i - 1] = order[j];
+        order[j] = kept;
+    }
+}
+
+static void the_order_of_frames_and_their_division_into_parts_change_nothing(void **state)
+{
+    (void)state;
+    static counted all, parts[3], merged;
+    for (uint32_t c = 0; c < CASES; c++) {
+        begin_case(c);
+        random_frames();
+        empty(&all), empty(&merged);
+        for (uint32_t f = 0; f < frame_count; f++)
+            add(&all, f);
+
+        uint32_t order[FRAMES_MOST];
+        shuffle(order, frame_count);
+        for (int p = 0; p < 3; p++)
+            empty(&parts[p]);
+        for (uint32_t f = 0; f < frame_count; f++)
+            add(&parts[random_below(3)], order[f]);
+        for (int p = 0; p < 3; p++)
+            CHECK(vdna_hist_merge(&merged.hist, &parts[p].hist) == VDNA_OK);
+        CHECK(same(&all, &merged));
+    }
+}
+
+/* Each sample as a frame of its own, and each frame in the other layout with its samples in
+ * another order. */
+static void how_samples_are_batched_and_laid_out_changes_nothing(void **state)
+{
+    (void)state;
+    static counted all, singly, transposed;
+    static float values[VALUES_MOST];
+    for (uint32_t c = 0; c < CASES; c++) {
+        begin_case(c);
+        random_frames();
+        empty(&all), empty(&singly), empty(&transposed);
+        for (uint32_t f = 0; f < frame_count; f++) {
+            uint32_t order[SAMPLES_MOST];
+            shuffle(order, samples);
+            add(&all, f);
+            for (uint32_t s = 0; s < samples; s++) {
+                add_values(&singly, frames[f] + s * neurons, 1, VDNA_LAYOUT_NEURONS_SAMPLES);
+                for (uint32_t n = 0; n < neurons; n++)
+                    values[n * samples + order[s]] = frames[f][s * neurons + n];
+            }
+            add_values(&transposed, values, samples, VDNA_LAYOUT_NEURONS_SAMPLES);
+        }
+        CHECK(same(&all, &transposed));
+        CHECK(memcmp(all.mem, singly.mem, sizeof all.mem) == 0);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_shift_by_k_bins_is_at_distance_k),
+        cmocka_unit_test(the_distance_is_symmetric),
+        cmocka_unit_test(the_triangle_inequality_holds),
+        cmocka_unit_test(the_distance_is_zero_if_and_only_if_the_shares_are_equal),
+        cmocka_unit_test(merging_commutes_and_associates_and_subtracting_undoes_it),
+        cmocka_unit_test(the_order_of_frames_and_their_division_into_parts_change_nothing),
+        cmocka_unit_test(how_samples_are_batched_and_laid_out_changes_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
