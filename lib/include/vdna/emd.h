@@ -1,11 +1,12 @@
 /** @file vdna/emd.h
  *  @brief Earth Mover's Distance between histograms, exact.
  *
+ *  Definition: the distance of the reference package of Visual DNA, in the unit of the paper's
+ *  tables; docs/DESIGN.md says why it is summed in integers.
+ *
  *  Per neuron: the sum over the bins of |P[b] - Q[b]|, P and Q being the cumulative counts divided
  *  by their mass. Its unit is bins: moving every sample by k bins gives k. It is summed in
  *  integers and divided once, so the same counts give the same bits on every machine.
- *  Definition: the Earth Mover's Distance of Visual DNA as its reference package computes it, in
- *  the unit of the paper's tables; docs/DESIGN.md says why in integers.
  */
 #ifndef VDNA_EMD_H
 #define VDNA_EMD_H
