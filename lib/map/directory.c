@@ -82,8 +82,7 @@ static vdna_status open_file(const char *directory, const char *name, vdna_error
                              vdna_experience *out_experience)
 {
     char path[PATH_SIZE];
-    const int length = snprintf(path, sizeof path, "%s/%s", directory, name);
-    if (length < 0 || (size_t)length >= sizeof path)
+    if ((size_t)snprintf(path, sizeof path, "%s/%s", directory, name) >= sizeof path)
         return vdna_fail(error, VDNA_ERR_IO, "%s: the path of %s is too long", directory, name);
     return vdna_experience_open(path, error, out_experience);
 }
@@ -111,13 +110,11 @@ static vdna_status open_files(const char *directory, const listing *files, vdna_
 {
     uint32_t open = 0;
     vdna_status status = VDNA_OK;
-    while (open < files->count && status == VDNA_OK) {
+    while (status == VDNA_OK && open < files->count) {
         status = open_file(directory, files->entries[open]->d_name, error, &out_experiences[open]);
-        if (status != VDNA_OK)
-            break;
-        status = check_last(directory, (const struct dirent *const *)files->entries,
-                            out_experiences, open, error);
-        open++;
+        if (status == VDNA_OK)
+            status = check_last(directory, (const struct dirent *const *)files->entries,
+                                out_experiences, open++, error);
     }
     while (status != VDNA_OK && open > 0)
         vdna_experience_close(&out_experiences[--open]);

@@ -46,7 +46,7 @@ static const char *name_of(char mark)
 
 int vdna_json_take(vdna_json *json, char mark)
 {
-    return vdna_json_try(json, mark) || vdna_json_fail(json, name_of(mark));
+    return vdna_json_try(json, mark) ? 1 : vdna_json_fail(json, name_of(mark));
 }
 
 /* Bytes that follow a lead byte; -1 if none starts a sequence with it. */
@@ -204,5 +204,5 @@ int vdna_json_number(vdna_json *json, uint64_t *out_number)
 int vdna_json_end(vdna_json *json)
 {
     skip_space(json);
-    return json->at == json->end || vdna_json_fail(json, "the end of the header");
+    return json->at == json->end ? 1 : vdna_json_fail(json, "the end of the header");
 }

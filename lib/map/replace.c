@@ -40,9 +40,8 @@ static int open_directory(const char *path, const char *name)
 static int create_partial(vdna_replace *file)
 {
     for (unsigned n = 0; n < PARTIAL_NAMES; n++) {
-        const int length =
-            snprintf(file->partial, sizeof file->partial, "%s.%u.partial", file->name, n);
-        if (length < 0 || (size_t)length >= sizeof file->partial) {
+        if ((size_t)snprintf(file->partial, sizeof file->partial, "%s.%u.partial", file->name, n) >=
+            sizeof file->partial) {
             errno = ENAMETOOLONG;
             return -1;
         }

@@ -173,6 +173,10 @@ static void what_is_written_is_read_back(void **state)
     assert_ptr_equal(view.range, e.range);
     assert_int_equal(view.neurons, 3);
     assert_int_equal(view.bins, 4);
+    const vdna_hist_view seen = view;
+    vdna_experience_view(NULL, &view);
+    vdna_experience_view(&e, NULL);
+    assert_memory_equal(&view, &seen, sizeof view);
     vdna_experience_close(&e);
     assert_null(e.mapping);
     vdna_experience_close(&e);
@@ -267,6 +271,8 @@ static void metadata_that_breaks_a_rule_is_refused(void **state)
         {"rgb 8x8", "rgb\xC3\xA9", "preprocessing has a character"},
         {"mid:2:4,top:1:1", "", "taps is empty"},
         {"mid:2:4,top:1:1", "mid:2:4,top:1", "NAME:NEURONS:SAMPLES"},
+        {"mid:2:4,top:1:1", "mid:2:4,1", "NAME:NEURONS:SAMPLES"},
+        {"mid:2:4,top:1:1", "mid:2:4,top:1:", "NAME:NEURONS:SAMPLES"},
         {"mid:2:4,top:1:1", "mid:2:4,top:1:1,", "NAME:NEURONS:SAMPLES"},
         {"mid:2:4,top:1:1", ":2:4,top:1:1", "NAME:NEURONS:SAMPLES"},
         {"mid:2:4,top:1:1", "mid:02:4,top:1:1", "NAME:NEURONS:SAMPLES"},
@@ -311,11 +317,18 @@ static void a_tensor_that_breaks_a_rule_is_refused(void **state)
         {"\"shape\":[4,3]", "\"shape\":[4,3,1]", "tensor counts has a shape"},
         {"\"shape\":[4,3]", "\"shape\":[0,3]", "tensor counts has a shape"},
         {"\"shape\":[4,3]", "\"shape\":[4294967296,3]", "tensor counts has a shape"},
+        {"\"shape\":[4,3]", "\"shape\":[4,0]", "tensor counts has a shape"},
+        {"\"shape\":[4,3]", "\"shape\":[4,4294967296]", "tensor counts has a shape"},
         {"\"shape\":[4,3]", "\"shape\":[3,4]", "tensor mass has a dtype or shape"},
         {"\"shape\":[4,3]", "\"shape\":[5,3]", "48 bytes, expected 15 numbers of 4"},
         /* Their product, in bytes, is 2^64. */
         {"\"shape\":[2,5]", "\"shape\":[2147483648,2147483648]", "tensor frame_utime has a dtype"},
         {"\"shape\":[3,2]", "\"shape\":[2,3]", "tensor range has a dtype or shape"},
+        {"\"shape\":[3,2]", "\"shape\":[3,3]", "tensor range has a dtype or shape"},
+        {"\"shape\":[3,2]", "\"shape\":[3]", "tensor range has a dtype or shape"},
+        {"[204,212]},\"crc32c\":{\"dtype\":\"U32\",\"shape\":[1],\"data_offsets\":[212",
+         "[204,210]},\"crc32c\":{\"dtype\":\"U32\",\"shape\":[1],\"data_offsets\":[210",
+         "tensor crc32c has 6 bytes, expected 1 numbers of 4"},
         {"\"crc32c\":{\"dtype\":\"U32\",\"shape\":[1]",
          "\"crc32c\":{\"dtype\":\"U32\",\"shape\":[]", "tensor crc32c has a dtype or shape"},
         /* The eight bytes of place 1 go to frame_position. */
@@ -397,6 +410,7 @@ static void a_header_that_is_no_json_of_safetensors_is_refused(void **state)
         "{\"a\":{\"dtype\":\"U8\",\"shape\":[-1],\"data_offsets\":[0,0]}}",
         "{\"a\":{\"dtype\":\"U8\",\"shape\":[00],\"data_offsets\":[0,0]}}",
         "{\"a\":{\"dtype\":\"U8\",\"shape\":[1e3],\"data_offsets\":[0,0]}}",
+        "{\"abcdefgh\":{\"shape\":[10", /* 24 bytes: no padding behind the number */
         "{\"a\":{\"dtype\":\"U8\",\"shape\":[0,],\"data_offsets\":[0,0]}}",
         "{\"a\":{\"dtype\":\"U8\",\"shape\":[18446744073709551616],\"data_offsets\":[0,0]}}",
         "{\"a\":{\"dtype\":\"U8\",\"shape\":[1,1,1,1,1,1,1,1,1],\"data_offsets\":[0,0]}}",
@@ -410,11 +424,15 @@ static void a_header_that_is_no_json_of_safetensors_is_refused(void **state)
         "{\"__metadata__\":{\"a\":\"\\u12g4\"}}",
         "{\"__metadata__\":{\"a\":\"\\ud83d\"}}",
         "{\"__metadata__\":{\"a\":\"\\ude00\\ud83d\"}}",
+        "{\"__metadata__\":{\"a\":\"\\ud83d.ude00\"}}",
+        "{\"__metadata__\":{\"a\":\"\\ud83d\\nude00\"}}",
+        "{\"__metadata__\":{\"a\":\"\\ud83d\\ue000\"}}",
         "{\"__metadata__\":{\"a\":\"\x80\"}}",
         "{\"__metadata__\":{\"a\":\"\xC0\xAF\"}}",
         "{\"__metadata__\":{\"a\":\"\xE0\x80\xAF\"}}",
         "{\"__metadata__\":{\"a\":\"\xED\xA0\x80\"}}",
         "{\"__metadata__\":{\"a\":\"\xF4\x90\x80\x80\"}}",
+        "{\"__metadata__\":{\"a\":\"\xF5\x80\x80\x80\"}}",
         "{\"__metadata__\":{\"a\":\"\xE2\x82",
         "{\"__metadata__\":{\"a\":\"\xE2\x82\xC0\"}}",
         "{\"__metadata__\":{\"a\":\"\\u00",
@@ -446,6 +464,7 @@ static void a_key_is_the_same_however_it_is_escaped(void **state)
         "{\"A\":\"\",\"\\u0041\":\"\",\"format\"",
         "{\"\xC3\xA9\":\"\",\"\\u00e9\":\"\",\"format\"",
         "{\"\xE2\x82\xAC\":\"\",\"\\u20AC\":\"\",\"format\"",
+        "{\"\xEE\x80\x80\":\"\",\"\\uE000\":\"\",\"format\"",
         "{\"\xF0\x9F\x98\x80\":\"\",\"\\ud83d\\ude00\":\"\",\"format\"",
     };
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {

@@ -67,6 +67,26 @@ static void an_empty_or_missing_directory_is_refused(void **state)
     vdna_experience map[1];
     assert_int_equal(vdna_map_open(path_in(made, "none"), 1, &error, map, &count), VDNA_ERR_IO);
     assert_int_equal(vdna_map_open(made->path, 1, &error, NULL, &count), VDNA_ERR_ARG);
+    assert_int_equal(vdna_map_open(made->path, 1, &error, map, NULL), VDNA_ERR_ARG);
+    assert_int_equal(vdna_map_open(NULL, 1, &error, map, &count), VDNA_ERR_ARG);
+    assert_int_equal(vdna_map_count(made->path, &error, NULL), VDNA_ERR_ARG);
+}
+
+static void a_file_whose_path_is_too_long_is_named(void **state)
+{
+    const directory *made = *state;
+    vdna_experience map[1];
+    vdna_error error;
+    uint32_t count;
+    char path[4090];
+    write_as(made, "winter.vdna", "winter", sample_experience());
+    strcpy(path, made->path);
+    while (strlen(path) + 2 < sizeof path)
+        strcat(path, "/.");
+    assert_int_equal(vdna_map_count(path, NULL, &count), VDNA_OK);
+    assert_int_equal(count, 1);
+    assert_int_equal(vdna_map_open(path, 1, &error, map, &count), VDNA_ERR_IO);
+    assert_non_null(strstr(error.text, made->path));
 }
 
 static void more_experiences_than_there_is_room_for_are_refused(void **state)
@@ -142,6 +162,7 @@ static void a_comparison_names_the_first_field_that_differs(void **state)
             fail_msg("expected \"%s\" in: %s", cases[i].reason, error.text);
     }
     assert_int_equal(vdna_experience_compare(&sample, NULL, NULL), VDNA_ERR_ARG);
+    assert_int_equal(vdna_experience_compare(NULL, &sample, NULL), VDNA_ERR_ARG);
 }
 
 static void names_lengths_and_labels_may_differ(void **state)
@@ -162,6 +183,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         CASE(experiences_come_in_the_byte_order_of_their_files),
         CASE(an_empty_or_missing_directory_is_refused),
+        CASE(a_file_whose_path_is_too_long_is_named),
         CASE(more_experiences_than_there_is_room_for_are_refused),
         CASE(two_experiences_of_one_name_are_refused),
         CASE(one_bad_file_refuses_the_map_and_is_named),

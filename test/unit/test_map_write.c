@@ -68,8 +68,16 @@ static void what_breaks_a_rule_is_not_written(void **state)
     e.frames = 0;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "0 frames");
     e = sample;
+    e.neurons = 0;
+    assert_not_written(*state, &e, VDNA_ERR_ARG, "0 neurons");
+    e = sample;
+    e.dim = 0;
+    assert_not_written(*state, &e, VDNA_ERR_ARG, "embeddings of 0 numbers");
+    e = sample;
     e.bins = 1;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "1 bins");
+    e.bins = 65537;
+    assert_not_written(*state, &e, VDNA_ERR_ARG, "65537 bins");
     e = sample;
     e.frame_grey = NULL;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "frame_grey is missing");
@@ -84,6 +92,63 @@ static void what_breaks_a_rule_is_not_written(void **state)
     assert_not_written(*state, &e, VDNA_ERR_NONFINITE, "the grey level of frame 0");
     assert_int_equal(vdna_experience_write(NULL, "x", NULL), VDNA_ERR_ARG);
     assert_int_equal(vdna_experience_write(&sample, NULL, NULL), VDNA_ERR_ARG);
+}
+
+static void a_name_has_letters_digits_and_three_marks_only(void **state)
+{
+    static const char allowed[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZ.abcdefghijklmnopqrstuvwxyz_0123456789-";
+    vdna_experience e = sample_experience();
+    for (int c = 1; c < 256; c++)
+        if (!strchr(allowed, c)) {
+            e.name[2] = (char)c;
+            assert_not_written(*state, &e, VDNA_ERR_ARG, "name has a character");
+        }
+    const char *path = path_in(*state, "a.vdna");
+    for (size_t half = 0; half < sizeof allowed - 1; half += 33) {
+        snprintf(e.name, sizeof e.name, "%.33s", allowed + half);
+        assert_int_equal(vdna_experience_write(&e, path, NULL), VDNA_OK);
+        assert_name(path, e.name);
+    }
+}
+
+static void preprocessing_is_printable_ascii(void **state)
+{
+    vdna_experience e = sample_experience();
+    for (int c = 1; c < 256; c++)
+        if (c < ' ' || c > '~') {
+            e.preprocessing[2] = (char)c;
+            assert_not_written(*state, &e, VDNA_ERR_ARG, "preprocessing has a character");
+        }
+}
+
+static void counts_of_many_neurons_are_all_added_up(void **state)
+{
+    /* One sample a neuron, in its second bin. */
+    enum { NEURONS = 2500 };
+    static float range[2 * NEURONS];
+    static uint32_t counts[2 * NEURONS], mass[NEURONS];
+    for (size_t n = 0; n < NEURONS; n++) {
+        range[2 * n + 1] = 1;
+        counts[NEURONS + n] = mass[n] = 1;
+    }
+    vdna_experience e = sample_experience();
+    strcpy(e.taps, "many:2500:1");
+    e.neurons = NEURONS;
+    e.bins = 2;
+    e.frames = 1;
+    e.range = range;
+    e.counts = counts;
+    e.mass = mass;
+    for (size_t n = 0; n < NEURONS; n += 100) {
+        char reason[64];
+        snprintf(reason, sizeof reason, "the counts of neuron %zu add up to 2, expected its mass 1",
+                 n);
+        counts[n] = 1;
+        assert_not_written(*state, &e, VDNA_ERR_MISMATCH, reason);
+        counts[n] = 0;
+    }
+    assert_int_equal(vdna_experience_write(&e, path_in(*state, "a.vdna"), NULL), VDNA_OK);
 }
 
 static void a_killed_writer_leaves_the_old_file(void **state)
@@ -125,6 +190,21 @@ static void the_partial_file_of_another_writer_is_left_alone(void **state)
     assert_int_equal(load_file(path_in(made, "a.vdna.0.partial"), kept, sizeof kept), 8);
     assert_memory_equal(kept, "not mine", 8);
     assert_int_equal(files_in(made->path), 2);
+}
+
+static void the_leavings_of_a_hundred_crashes_are_named(void **state)
+{
+    const directory *made = *state;
+    const vdna_experience e = sample_experience();
+    vdna_error error;
+    for (int i = 0; i < 100; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "a.vdna.%d.partial", i);
+        save_file(path_in(made, name), "x", 1);
+    }
+    assert_int_equal(vdna_experience_write(&e, path_in(made, "a.vdna"), &error), VDNA_ERR_IO);
+    assert_non_null(strstr(error.text, "cannot create a .partial file beside it: File exists"));
+    assert_int_equal(files_in(made->path), 100);
 }
 
 static void a_full_disk_leaves_the_old_file_and_no_other(void **state)
@@ -236,8 +316,12 @@ int main(void)
 #define CASE(test) cmocka_unit_test_setup_teardown(test, set_up_directory, tear_down_directory)
     const struct CMUnitTest tests[] = {
         CASE(what_breaks_a_rule_is_not_written),
+        CASE(a_name_has_letters_digits_and_three_marks_only),
+        CASE(preprocessing_is_printable_ascii),
+        CASE(counts_of_many_neurons_are_all_added_up),
         CASE(a_killed_writer_leaves_the_old_file),
         CASE(the_partial_file_of_another_writer_is_left_alone),
+        CASE(the_leavings_of_a_hundred_crashes_are_named),
         CASE(a_full_disk_leaves_the_old_file_and_no_other),
         CASE(a_place_that_cannot_be_written_is_named),
         cmocka_unit_test(a_path_that_is_too_long_is_refused),

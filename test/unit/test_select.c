@@ -142,8 +142,13 @@ static void a_backward_stamp_does_not_end_a_warmup_by_time(void **state)
     (void)state;
     vdna_select select = selector(by_time(1000));
     feed(&select, INT64_MAX, 3.5f, 0);
-    /* As an unsigned difference this stamp would lie far beyond the window. */
-    const vdna_select_answer answer = feed(&select, INT64_MIN, 3.5f, 0);
+    vdna_select_answer answer = feed(&select, INT64_MIN, 3.5f, 0);
+    assert_int_equal(answer.restarted, 1);
+    assert_int_equal(answer.state, VDNA_SELECT_WARMUP);
+    /* As an unsigned difference the second of these stamps lies far beyond the window. */
+    select = selector(by_time(1000));
+    feed(&select, 5000, 3.5f, 0);
+    answer = feed(&select, 4999, 3.5f, 0);
     assert_int_equal(answer.restarted, 1);
     assert_int_equal(answer.state, VDNA_SELECT_WARMUP);
 }
@@ -165,6 +170,60 @@ static void a_refused_frame_changes_nothing_but_a_counter(void **state)
 
     feed(&select, 2, 0.5f, 0);
     assert_int_equal(try_frame(&select, 3, 0.5f, NAN, &answer), VDNA_ERR_NONFINITE);
+    assert_int_equal(select.state, VDNA_SELECT_SELECTED);
+}
+
+static void a_window_that_is_too_large_to_rank_begins_anew(void **state)
+{
+    (void)state;
+    /* The masses, 10^7 and 2^32 - 1, times 65535 bins pass 63 bits. */
+    static uint32_t counts[VDNA_HIST_BINS_MAX] = {10000000};
+    static int64_t room[VDNA_HIST_BINS_MAX / 2 + 64];
+    const vdna_select_candidate huge = {
+        {range, counts, counts, 1, VDNA_HIST_BINS_MAX}, low_embeddings, 3, 0};
+    vdna_select_config configs[] = {by_frames(2), by_time(1000)};
+    for (size_t i = 0; i < 2; i++) {
+        configs[i].candidates = &huge;
+        configs[i].candidate_count = 1;
+        vdna_select select;
+        vdna_select_answer answer;
+        assert_int_equal(vdna_select_init(&configs[i], room, sizeof room, &select), VDNA_OK);
+        feed(&select, 0, 3.5f, 0);
+        select.live.mass[0] = UINT32_MAX - 1;
+        assert_int_equal(try_frame(&select, 1000, 3.5f, 0, &answer), VDNA_ERR_OVERFLOW);
+        assert_int_equal(select.state, VDNA_SELECT_WARMUP);
+        assert_int_equal(select.live.frames, 0);
+        assert_int_equal(select.rejected, 1);
+    }
+}
+
+static void a_window_whose_counts_are_full_begins_anew(void **state)
+{
+    (void)state;
+    vdna_select select = selector(by_frames(2));
+    vdna_select_answer answer;
+    feed(&select, 0, 3.5f, 0);
+    select.live.mass[0] = UINT32_MAX;
+    assert_int_equal(try_frame(&select, 1, 3.5f, 0, &answer), VDNA_ERR_FULL);
+    assert_int_equal(select.state, VDNA_SELECT_WARMUP);
+    assert_int_equal(select.live.frames, 0);
+    assert_int_equal(select.live.mass[0], 0);
+}
+
+static void a_frame_is_not_localised_by_embeddings_that_are_no_numbers(void **state)
+{
+    (void)state;
+    const float broken[] = {1, NAN};
+    vdna_select_candidate only = candidates[1];
+    only.embeddings = broken;
+    vdna_select_config config = by_frames(1);
+    config.candidates = &only;
+    config.candidate_count = 1;
+    vdna_select select = selector(config);
+    vdna_select_answer answer;
+    feed(&select, 0, 3.5f, 5);
+    assert_int_equal(try_frame(&select, 1, 3.5f, 5, &answer), VDNA_ERR_NONFINITE);
+    assert_int_equal(select.rejected, 1);
     assert_int_equal(select.state, VDNA_SELECT_SELECTED);
 }
 
@@ -209,6 +268,12 @@ static void progress_runs_from_zero_to_one(void **state)
     feed(&select, 100, 1, 0);
     feed(&select, 600, 1, 0);
     assert_true(vdna_select_progress(&select) == 0.5);
+
+    /* Never beyond 1, though doubles do not hold the difference of these times. */
+    select = selector(by_time(INT64_MAX));
+    feed(&select, 0, 1, 0);
+    feed(&select, INT64_MAX - 1, 1, 0);
+    assert_true(vdna_select_progress(&select) == 1);
     assert_true(vdna_select_progress(NULL) == 0);
 }
 
@@ -293,6 +358,9 @@ int main(void)
         cmocka_unit_test(camera_time_that_runs_backwards_begins_the_warmup_anew),
         cmocka_unit_test(a_backward_stamp_does_not_end_a_warmup_by_time),
         cmocka_unit_test(a_refused_frame_changes_nothing_but_a_counter),
+        cmocka_unit_test(a_window_that_is_too_large_to_rank_begins_anew),
+        cmocka_unit_test(a_window_whose_counts_are_full_begins_anew),
+        cmocka_unit_test(a_frame_is_not_localised_by_embeddings_that_are_no_numbers),
         cmocka_unit_test(a_reset_warms_up_again_from_nothing),
         cmocka_unit_test(a_single_candidate_is_chosen_with_margin_zero),
         cmocka_unit_test(progress_runs_from_zero_to_one),

@@ -56,7 +56,8 @@ typedef struct vdna_backbone_frame {
     uint32_t inference_us;        /**< time spent in the network */
 } vdna_backbone_frame;
 
-/** Write the defaults: two threads, runtime found by itself; the caller must set `manifest`. */
+/** Write the defaults: two threads, runtime found by itself; the caller must set `manifest`.
+ *  @param config  NULL is allowed */
 VDNA_API void vdna_backbone_config_init(vdna_backbone_config *config);
 
 /** Open a network: read the manifest, check the model's SHA-256, load the runtime, bind inputs and
@@ -65,29 +66,37 @@ VDNA_API void vdna_backbone_config_init(vdna_backbone_config *config);
  *  Sets ORT_DISABLE_TELEMETRY=1 in the environment, which is the whole process's: some builds of
  *  ONNX Runtime write files and start a thread as soon as they are loaded, and nothing else stops
  *  them. Open before other threads read the environment, or set it yourself.
+ *  @param config  needed for this call only
  *  @param error  filled on failure; NULL = not wanted
+ *  @param out_backbone  the caller's, to be closed with vdna_backbone_close()
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT (manifest); VDNA_ERR_CHECKSUM
  * (model); VDNA_ERR_MISMATCH (a tap or shape the model does not have); VDNA_ERR_UNSUPPORTED
  * (runtime too old); VDNA_ERR_RUNTIME; VDNA_ERR_NOMEM */
 VDNA_API vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *error,
                                         vdna_backbone **out_backbone);
 
-/** Close; everything borrowed from it ends. NULL is allowed. */
+/** Close; everything borrowed from it ends.
+ *  @param backbone  NULL is allowed */
 VDNA_API void vdna_backbone_close(vdna_backbone *backbone);
 
-/** Describe an open network. */
+/** Describe an open network.
+ *  @param backbone  an open one
+ *  @param out_info  copies: they outlive the network */
 VDNA_API void vdna_backbone_describe(const vdna_backbone *backbone, vdna_backbone_info *out_info);
 
 /** Run one picture.
+ *  @param backbone  an open one
  *  @param image  any content; checked in full before a byte of it is used
  *  @param error  filled on failure; NULL = not wanted
+ *  @param out_frame  borrowed until the next call with this backbone
  *  @return VDNA_OK; VDNA_ERR_FORMAT if the picture cannot be decoded; VDNA_ERR_UNSUPPORTED for an
  *          unknown pixel format or a picture too large; VDNA_ERR_NONFINITE if the network gave a
  *          NaN or an infinity; VDNA_ERR_RUNTIME, also after vdna_backbone_cancel() */
 VDNA_API vdna_status vdna_backbone_run(vdna_backbone *backbone, const vdna_image *image,
                                        vdna_error *error, vdna_backbone_frame *out_frame);
 
-/** End a vdna_backbone_run() in progress early, and refuse all later ones. Any thread. */
+/** End a vdna_backbone_run() in progress early, and refuse all later ones. Any thread.
+ *  @param backbone  an open one; NULL is allowed */
 VDNA_API void vdna_backbone_cancel(vdna_backbone *backbone);
 
 #ifdef __cplusplus

@@ -18,6 +18,7 @@ extern "C" {
  *  is the sum of the singular values of X1 X2^T, and no covariance is formed.
  *  @param a, b          [frames][dim], finite
  *  @param frames_a, frames_b  >= 2
+ *  @param dim           numbers in an embedding, >= 1
  *  @param out_distance  in squared embedding units, >= 0
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NONFINITE; VDNA_ERR_NOMEM */
 VDNA_API vdna_status vdna_frechet(const float *a, uint32_t frames_a, const float *b,
@@ -25,6 +26,7 @@ VDNA_API vdna_status vdna_frechet(const float *a, uint32_t frames_a, const float
 
 /** Pixel intensity: the difference of the mean grey levels of two sets of frames.
  *  @param a, b          [frames], mean grey level of each frame, 0..255
+ *  @param frames_a, frames_b  >= 1
  *  @param out_distance  0..255
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NONFINITE */
 VDNA_API vdna_status vdna_intensity(const float *a, uint32_t frames_a, const float *b,
@@ -60,6 +62,8 @@ typedef struct vdna_ranking_metrics {
 
 /** Judge a table of distances against a table of recalls. Ties in either order are broken by the
  *  order of the references, as vdna_rank_sort() does.
+ *  @param table        distances finite where there is a recall
+ *  @param out_metrics  each in its own unit
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NONFINITE if a pair with a recall has no finite
  * distance; VDNA_ERR_EMPTY if there is no pair at all; VDNA_ERR_NOMEM */
 VDNA_API vdna_status vdna_judge_ranking(const vdna_ranking_table *table,

@@ -1,5 +1,8 @@
 /** @file vdna/knn.h
  *  @brief Exact nearest neighbours of an embedding: localisation within one experience.
+ *
+ *  Definition: the paper localises a frame at the nearest embedding by Euclidean distance. Its
+ *  square has the same order and needs no root.
  */
 #ifndef VDNA_KNN_H
 #define VDNA_KNN_H

@@ -51,16 +51,21 @@ typedef struct vdna_experience {
  *               written to or cut short in place: its pages are shared with the file system, and
  *               reading one that is gone raises SIGBUS. vdna_experience_write() renames
  *  @param error  filled on failure; NULL = not wanted
+ *  @param out_experience  holds the file, to be ended with vdna_experience_close()
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT; VDNA_ERR_CHECKSUM;
  *          VDNA_ERR_UNSUPPORTED for a newer format version or a big-endian machine */
 VDNA_API vdna_status vdna_experience_open(const char *path, vdna_error *error,
                                           vdna_experience *out_experience);
 
-/** Unmap; all pointers into the experience end. Safe on a zeroed or closed struct. */
+/** Unmap; all pointers into the experience end.
+ *  @param experience  open, closed or zeroed; NULL is allowed; zeroed afterwards */
 VDNA_API void vdna_experience_close(vdna_experience *experience);
 
 /** Write an experience: temporary file beside `path`, fsync, rename, fsync of the directory. An
  *  interrupted call leaves `path` as it was. `comparable` is computed, not read.
+ *  @param experience  needed for this call only
+ *  @param path  replaced if it exists
+ *  @param error  filled on failure; NULL = not wanted
  *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_NONFINITE or VDNA_ERR_MISMATCH (mass and counts) for an
  *          experience that breaks the rules above; VDNA_ERR_IO; VDNA_ERR_UNSUPPORTED on a
  *          big-endian machine */
@@ -69,23 +74,34 @@ VDNA_API vdna_status vdna_experience_write(const vdna_experience *experience, co
 
 /** Check that two experiences may be compared: same model, preprocessing, taps, dim, bins and
  *  ranges. Names and lengths may differ.
+ *  @param a, b  open ones, or filled as for vdna_experience_write()
+ *  @param error  filled on failure; NULL = not wanted
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_MISMATCH, and `error` names the first field that differs
  */
 VDNA_API vdna_status vdna_experience_compare(const vdna_experience *a, const vdna_experience *b,
                                              vdna_error *error);
 
-/** Look at the Visual DNA of an experience; the view ends when the experience is closed. */
+/** Look at the Visual DNA of an experience.
+ *  @param experience  borrowed: the view ends when it is closed
+ *  @param out_view  untouched if an argument is NULL */
 VDNA_API void vdna_experience_view(const vdna_experience *experience, vdna_hist_view *out_view);
 
 /** Count the experience files of a directory: names ending in VDNA_MAP_EXTENSION, hidden ones (a
  *  leading '.') left out.
- *  @return VDNA_OK; VDNA_ERR_IO */
+ *  @param directory  a path
+ *  @param error  filled on failure; NULL = not wanted
+ *  @param out_count  0 for a directory without any
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO */
 VDNA_API vdna_status vdna_map_count(const char *directory, vdna_error *error, uint32_t *out_count);
 
 /** Open all experiences of a map, in the byte order of their file names, and check that they
  *  compare and that their names differ.
+ *  @param directory  a path
+ *  @param capacity  the most that `out_experiences` can hold
+ *  @param error  filled on failure; NULL = not wanted
  *  @param out_experiences  [capacity]; the first *out_count are open after VDNA_OK, none after an
  *                          error
+ *  @param out_count  how many that are
  *  @return VDNA_OK; VDNA_ERR_EMPTY if there is none; VDNA_ERR_NOMEM if there are more than
  *          `capacity`; what vdna_experience_open() and vdna_experience_compare() return */
 VDNA_API vdna_status vdna_map_open(const char *directory, uint32_t capacity, vdna_error *error,

@@ -3,7 +3,8 @@
  *
  *  A range table is `float[neurons][2]`, lo and hi of each neuron in activation units, exactly as
  *  the `range` tensor of an experience file. It is calibrated once from pictures of the map and
- *  shared by everything that is compared; a live frame never changes it.
+ *  shared by everything that is compared; a live frame never changes it. Where this departs from
+ *  the reference package of Visual DNA, docs/DESIGN.md says why.
  */
 #ifndef VDNA_RANGE_H
 #define VDNA_RANGE_H
@@ -28,17 +29,21 @@ enum {
 
 /** Check that every lo and hi is finite and lo < hi.
  *  @param range  [neurons][2]
+ *  @param neurons  >= 1
  *  @return VDNA_OK; VDNA_ERR_ARG */
 VDNA_API vdna_status vdna_range_check(const float *range, uint32_t neurons);
 
 /** Forget everything: the table then holds "nothing seen yet" (lo > hi).
  *  @param range  [neurons][2], written
+ *  @param neurons  >= 1
  *  @return VDNA_OK; VDNA_ERR_ARG */
 VDNA_API vdna_status vdna_range_clear(float *range, uint32_t neurons);
 
 /** Widen the table to contain one frame.
  *  @param range      [neurons][2] after vdna_range_clear() or earlier frames; unchanged on error
+ *  @param neurons    of all taps together
  *  @param taps       [tap_count], checked as by vdna_activations_check()
+ *  @param tap_count  >= 1
  *  @return VDNA_OK; what vdna_activations_check() returns */
 VDNA_API vdna_status vdna_range_observe(float *range, uint32_t neurons,
                                         const vdna_activations *taps, size_t tap_count);
@@ -46,6 +51,7 @@ VDNA_API vdna_status vdna_range_observe(float *range, uint32_t neurons,
 /** Turn an observed table into one to bin with.
  *  A neuron that never varied gets half-width 1 about its value, so that it can vary later.
  *  @param range   [neurons][2], at least one frame observed; unchanged on error
+ *  @param neurons >= 1
  *  @param factor  >= 1 and finite, usually VDNA_RANGE_FACTOR
  *  @param rule    VDNA_RANGE_ABOUT_...
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_EMPTY if nothing was observed; VDNA_ERR_NONFINITE if a

@@ -4,6 +4,9 @@
  *  States: WARMUP until the window is complete, then SELECTED until vdna_select_reset(). Frames
  *  and their times are arguments, so a replay gives the same answers at any speed. Every answer
  *  says what in it is valid; a frame that is refused changes nothing but a counter.
+ *
+ *  Definition: as in the paper, the live Visual DNA is that of the warmup window only, and a
+ *  candidate's that of all its frames.
  */
 #ifndef VDNA_SELECT_H
 #define VDNA_SELECT_H
@@ -61,6 +64,7 @@ typedef struct vdna_select_answer {
 
 /** A selector. Defined here so that it can sit anywhere; read the fields, never write them. */
 typedef struct vdna_select {
+    /** as given to vdna_select_init() */
     vdna_select_config config;
     vdna_hist live;           /**< the warmup window's Visual DNA */
     vdna_hist_view *views;    /**< [candidate_count], private */
@@ -78,14 +82,20 @@ typedef struct vdna_select {
     uint64_t restarts;        /**< warmups begun anew because camera time ran backwards */
 } vdna_select;
 
-/** Write the defaults; the caller must set candidates, candidate_count, dim and one warmup. */
+/** Write the defaults; the caller must set candidates, candidate_count, dim and one warmup.
+ *  @param config  NULL is allowed */
 VDNA_API void vdna_select_config_init(vdna_select_config *config);
 
-/** Bytes that vdna_select_init() needs; 0 if the config is invalid. */
+/** Bytes that vdna_select_init() needs.
+ *  @param config  complete; what candidates point to is not looked at
+ *  @return bytes; 0 if the config is invalid */
 VDNA_API size_t vdna_select_mem_size(const vdna_select_config *config);
 
 /** Make a selector in `mem`, which must stay valid while `out_select` is in use.
+ *  @param config  copied; its candidates, and what they point to, are borrowed
  *  @param mem  aligned for int64_t, `mem_size` bytes
+ *  @param mem_size  at least vdna_select_mem_size()
+ *  @param out_select  may be moved, but not copied: its state is in the struct and the block
  *  @return VDNA_OK; VDNA_ERR_ARG for a bad config or alignment; VDNA_ERR_NOMEM if too small;
  *          VDNA_ERR_MISMATCH or VDNA_ERR_EMPTY if the candidates do not compare with one another */
 VDNA_API vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t mem_size,
@@ -96,16 +106,22 @@ VDNA_API vdna_status vdna_select_init(const vdna_select_config *config, void *me
  *  is the frames with utime < first + T; the first frame beyond it completes the window and is
  *  localised. In SELECTED it is localised. A stamp earlier than the newest of the window begins
  *  the warmup anew with this frame, because the window would not be one stretch of time.
+ *  @param select      from vdna_select_init()
+ *  @param frame       needed for this call only
+ *  @param out_answer  says which of its fields are valid
  *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_MISMATCH or VDNA_ERR_NONFINITE for a bad frame, which is
  *          refused whole and counted; VDNA_ERR_OVERFLOW or VDNA_ERR_FULL if the window is too large
  *          to rank, in which case the warmup begins anew */
 VDNA_API vdna_status vdna_select_feed(vdna_select *select, const vdna_select_frame *frame,
                                       vdna_select_answer *out_answer);
 
-/** Forget the choice and the window, and warm up again. Counters stay. */
+/** Forget the choice and the window, and warm up again. Counters stay.
+ *  @param select  NULL is allowed */
 VDNA_API void vdna_select_reset(vdna_select *select);
 
-/** How far the warmup is: 0 (nothing yet) to 1 (complete, or SELECTED). */
+/** How far the warmup is.
+ *  @param select  NULL gives 0
+ *  @return 0 (nothing yet) to 1 (complete, or SELECTED) */
 VDNA_API double vdna_select_progress(const vdna_select *select);
 
 #ifdef __cplusplus

@@ -41,6 +41,7 @@ enum {
 #define VDNA_STATUS_COUNT 14
 
 /** English text of a status, without a trailing period.
+ *  @param status  any value
  *  @return a constant string, never NULL; "unknown status" for a value that is no code */
 VDNA_API const char *vdna_status_text(vdna_status status);
 

@@ -41,7 +41,7 @@ typedef struct vdna_transport_config {
 
 /** The newest camera frame. `image.data` is borrowed until the next vdna_transport_poll(). */
 typedef struct vdna_transport_frame {
-    vdna_image image;
+    vdna_image image;    /**< as the message describes it; not checked */
     int64_t utime;       /**< the camera's stamp in microseconds */
     int64_t received_us; /**< CLOCK_MONOTONIC when it was taken from the socket */
 } vdna_transport_frame;
@@ -60,21 +60,26 @@ enum {
     VDNA_TRANSPORT_RESET = 2  /**< at least one command to reset */
 };
 
-/** Write the defaults: LCM's own URL, 8 MiB, no channel. */
+/** Write the defaults: LCM's own URL, 8 MiB, no channel.
+ *  @param config  NULL is allowed */
 VDNA_API void vdna_transport_config_init(vdna_transport_config *config);
 
 /** Connect and subscribe. Channel names are taken literally, not as regular expressions.
+ *  @param config  copied
  *  @param error  filled on failure; NULL = not wanted
+ *  @param out_transport  the caller's, to be closed with vdna_transport_close()
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO if the network refuses; VDNA_ERR_NOMEM */
 VDNA_API vdna_status vdna_transport_open(const vdna_transport_config *config, vdna_error *error,
                                          vdna_transport **out_transport);
 
-/** Disconnect. NULL is allowed. */
+/** Disconnect.
+ *  @param transport  NULL is allowed */
 VDNA_API void vdna_transport_close(vdna_transport *transport);
 
 /** Wait until something comes in, then take everything that is there and keep the newest frame.
  *  A log (file:// URL) is taken message by message instead: it does not run away, so no frame of it
  *  is skipped, and a replay gives the same answers at any speed.
+ *  @param transport   an open one
  *  @param timeout_ms  0 = do not wait, at most 1000
  *  @param out_events  VDNA_TRANSPORT_ bits; 0 if nothing came in time, a signal interrupted, or
  *                     what came was not well-formed or not a command that is known
@@ -83,43 +88,54 @@ VDNA_API void vdna_transport_close(vdna_transport *transport);
 VDNA_API vdna_status vdna_transport_poll(vdna_transport *transport, int32_t timeout_ms,
                                          uint32_t *out_events, vdna_transport_frame *out_frame);
 
-/** Numbers so far; valid as long as the transport is open. NULL for NULL. */
+/** Numbers so far.
+ *  @param transport  an open one, or NULL
+ *  @return valid as long as the transport is open; NULL for NULL */
 VDNA_API const vdna_transport_counters *vdna_transport_count(const vdna_transport *transport);
 
 /** Publish a message on its channel of the config. Nothing of it is kept. All strings and arrays
  *  must be there; "" and a count of 0 are allowed.
+ *  @param transport  an open one
+ *  @param message    needed for this call only
  *  @return VDNA_OK; VDNA_ERR_ARG if that channel is NULL; VDNA_ERR_IO, always so for a log that is
  *          being read; VDNA_ERR_NOMEM */
 VDNA_API vdna_status vdna_transport_publish_ranking(vdna_transport *transport,
                                                     const struct _vdna_msg_ranking_t *message);
-/** As vdna_transport_publish_ranking(). */
+/** @copydoc vdna_transport_publish_ranking() */
 VDNA_API vdna_status vdna_transport_publish_localisation(
     vdna_transport *transport, const struct _vdna_msg_localisation_t *message);
-/** As vdna_transport_publish_ranking(). */
+/** @copydoc vdna_transport_publish_ranking() */
 VDNA_API vdna_status vdna_transport_publish_status(vdna_transport *transport,
                                                    const struct _vdna_msg_status_t *message);
-/** As vdna_transport_publish_ranking(). */
+/** @copydoc vdna_transport_publish_ranking() */
 VDNA_API vdna_status vdna_transport_publish_command(vdna_transport *transport,
                                                     const struct _vdna_msg_command_t *message);
 /** Publish a camera frame on the camera channel, as a driver would.
- *  @param image  VDNA_PIXEL_ENCODED is not allowed: a JPEG is VDNA_PIXEL_MJPG */
+ *  @param transport  an open one
+ *  @param utime      the camera's stamp in microseconds
+ *  @param image      VDNA_PIXEL_ENCODED is not allowed: a JPEG is VDNA_PIXEL_MJPG
+ *  @return as vdna_transport_publish_ranking() */
 VDNA_API vdna_status vdna_transport_publish_image(vdna_transport *transport, int64_t utime,
                                                   const vdna_image *image);
 
 /** Check the bytes of a message before a generated decoder sees them: lengths, ends, fingerprint.
  *  The decoders that lcm-gen writes trust every length they read. What passes, they read to its
  *  last byte; whether the values make sense is the reader's to judge.
+ *  @param data  [size], a whole message
+ *  @param size  bytes
  *  @return VDNA_OK; VDNA_ERR_FORMAT */
 VDNA_API vdna_status vdna_transport_check_ranking(const void *data, size_t size);
-/** As vdna_transport_check_ranking(). */
+/** @copydoc vdna_transport_check_ranking() */
 VDNA_API vdna_status vdna_transport_check_localisation(const void *data, size_t size);
-/** As vdna_transport_check_ranking(). */
+/** @copydoc vdna_transport_check_ranking() */
 VDNA_API vdna_status vdna_transport_check_status(const void *data, size_t size);
-/** As vdna_transport_check_ranking(). */
+/** @copydoc vdna_transport_check_ranking() */
 VDNA_API vdna_status vdna_transport_check_command(const void *data, size_t size);
 
 /** Read a camera message in place. Sides must not be negative, and there must be a pixel format;
  *  whether the picture has as many bytes as they ask for is for its decoder to judge.
+ *  @param data  [size], a whole message; borrowed by `out_frame`
+ *  @param size  bytes
  *  @param out_frame  image.data points into `data`; received_us is 0
  *  @return VDNA_OK; VDNA_ERR_FORMAT */
 VDNA_API vdna_status vdna_transport_parse_image(const void *data, size_t size,
