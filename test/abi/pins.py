@@ -93,10 +93,10 @@ def pinned_layout():
 
 
 def write_baseline():
-    subprocess.run(["abidw", "--out-file", BASELINE, "--headers-dir", INCLUDE,
-                    "--drop-private-types", "--exported-interfaces-only", "--type-id-style", "hash",
-                    "--no-show-locs", "--no-corpus-path", "--no-comp-dir-path",
-                    "--no-elf-needed", "--no-write-default-sizes", LIBRARY], check=True)
+    subprocess.run(["abidw", "--out-file", BASELINE, "--exported-interfaces-only",
+                    "--type-id-style", "hash", "--no-show-locs", "--no-corpus-path",
+                    "--no-comp-dir-path", "--no-elf-needed", "--no-write-default-sizes", LIBRARY],
+                   check=True)
     BASELINE.write_text(BASELINE.read_text().replace(f"{ROOT}/", ""))
 
 
