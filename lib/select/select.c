@@ -1,4 +1,3 @@
-#include <math.h>
 #include <string.h>
 #include <vdna/select.h>
 
@@ -185,14 +184,6 @@ static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame,
     return select->live.frames == select->config.warmup_frames ? choose(select, answer) : VDNA_OK;
 }
 
-static int all_finite(const float *values, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        if (!isfinite(values[i]))
-            return 0;
-    return 1;
-}
-
 /* Everything that can be wrong with a frame, before any of it is used. */
 static vdna_status check_frame(const vdna_select *select, const vdna_select_frame *frame)
 {
@@ -202,7 +193,9 @@ static vdna_status check_frame(const vdna_select *select, const vdna_select_fram
         vdna_activations_check(frame->taps, frame->tap_count, select->live.neurons);
     if (status != VDNA_OK)
         return status;
-    return all_finite(frame->embedding, select->config.dim) ? VDNA_OK : VDNA_ERR_NONFINITE;
+    /* To be finite is asked of the embedding just as of a tap with one sample. */
+    const vdna_activations embedding = {frame->embedding, select->config.dim, 1, 0};
+    return vdna_activations_check(&embedding, 1, select->config.dim);
 }
 
 static vdna_status take(vdna_select *select, const vdna_select_frame *frame,
