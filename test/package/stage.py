@@ -1,7 +1,8 @@
-"""Install the build into the folder STAGE once, for all tests of this ring, and move it there from
-where it was installed: nothing may remember the prefix.
+"""Make once, for all tests of this ring: in STAGE/prefix an installation, moved there from where it
+was installed, for nothing may remember its prefix; in STAGE/debs the Debian packages, if they can
+be made here.
 
-    stage.py CMAKE BUILD STAGE
+    stage.py CMAKE CPACK BUILD STAGE
 """
 
 import shutil
@@ -9,11 +10,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-cmake, build, stage = sys.argv[1], sys.argv[2], Path(sys.argv[3])
+cmake, cpack, build, stage = *sys.argv[1:3], Path(sys.argv[3]), Path(sys.argv[4])
 
+shutil.rmtree(stage, ignore_errors=True)
 subprocess.run([cmake, "--build", build, "--target", "amalgamation"], check=True)
-first = stage.with_name("first-prefix")
-for folder in (first, stage):
-    shutil.rmtree(folder, ignore_errors=True)
-subprocess.run([cmake, "--install", build, "--prefix", first], check=True)
-first.rename(stage)
+subprocess.run([cmake, "--install", build, "--prefix", stage / "first"], check=True)
+Path(stage, "first").rename(stage / "prefix")
+
+settings = build / "CPackConfig.cmake"
+if settings.exists():
+    subprocess.run([cpack, "--config", settings, "-B", stage / "debs"], check=True)

@@ -20,6 +20,7 @@ CHOOSE = ROOT / "apps" / "examples" / "choose.c"  # map as well
 
 CC, CMAKE = os.environ["VDNA_CC"], os.environ["VDNA_CMAKE"]
 STAGE, BUILD = Path(os.environ["VDNA_STAGE"]), Path(os.environ["VDNA_BUILD"])
+PREFIX = STAGE / "prefix"
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
 
 
@@ -39,7 +40,6 @@ def need(tool):
 
 
 def build_with_cmake(scratch, *settings):
-    """{program: its path}, shared ones first"""
     project = scratch / "project"
     shutil.copytree(CONSUMER.parent, project)
     shutil.copy(CHOOSE, project)
@@ -52,7 +52,7 @@ def build_with_cmake(scratch, *settings):
 
 
 def find_package(scratch):
-    return build_with_cmake(scratch, f"-DCMAKE_PREFIX_PATH={STAGE}")
+    return build_with_cmake(scratch, f"-DCMAKE_PREFIX_PATH={PREFIX}")
 
 
 def subdirectory(scratch):
@@ -62,7 +62,7 @@ def subdirectory(scratch):
     return programs
 
 
-def pkg_config(scratch, *options, prefix=STAGE):
+def pkg_config(scratch, *options, prefix=PREFIX):
     """Built by the compiler alone, with the flags that pkg-config gives."""
     need("pkg-config")
     [folder] = prefix.glob("lib/**/pkgconfig")
@@ -76,6 +76,18 @@ def pkg_config(scratch, *options, prefix=STAGE):
 
 def pkg_config_static(scratch):
     return pkg_config(scratch, "--static")
+
+
+def deb(scratch):
+    """From the packages libvdna0 and libvdna-dev, unpacked."""
+    debs = [*STAGE.glob("debs/libvdna0_*.deb"), *STAGE.glob("debs/libvdna-dev_*.deb")]
+    if not debs:
+        need("dpkg-shlibdeps")
+    for package in debs:
+        run("dpkg", "-x", package, scratch / "root")
+    prefix = scratch / "root" / "usr"
+    return [*build_with_cmake(scratch, f"-DCMAKE_PREFIX_PATH={prefix}"),
+            *pkg_config(scratch, prefix=prefix)]
 
 
 def amalgamation(scratch):
