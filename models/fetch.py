@@ -122,6 +122,10 @@ def runtime(new, scratch):
     else:
         wheel = download_wheel(RUNTIME, scratch)
         library.write_bytes(the_member(wheel, r"/libonnxruntime\.so\.[0-9.]+$"))
+        licences = new / "licences"  # whoever passes the library on must pass on these
+        licences.mkdir()
+        for name in ("LICENSE", "ThirdPartyNotices.txt"):
+            Path(licences, name).write_bytes(the_member(wheel, rf"^onnxruntime/{name}$"))
         Path(headers, "onnxruntime_c_api.h").write_bytes(debian_header(scratch))
 
 
@@ -206,7 +210,7 @@ def main():
     deps = parser.parse_args().deps
 
     wanted = [
-        (deps / "onnxruntime", f"{RUNTIME} {HEADER_SHA256}", runtime),
+        (deps / "onnxruntime", f"{RUNTIME} {HEADER_SHA256} licences", runtime),
         (deps / "python", SAFETENSORS, safetensors),
     ]
     for name in NETWORKS:

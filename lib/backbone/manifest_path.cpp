@@ -5,6 +5,7 @@
 #include <system_error>
 #include <vector>
 
+#include "beside_program.hpp"
 #include "failure.hpp"
 
 namespace vdna
@@ -21,10 +22,11 @@ std::vector<fs::path> directories()
 {
     std::vector<fs::path> all;
     const char *chosen = std::getenv("VDNA_MODELS");
-    for (const char *directory :
-         {chosen ? chosen : "", VDNA_BUILD_MODELS, VDNA_INSTALLED_MODELS, "/usr/share/vdna/models"})
-        if (*directory && std::find(all.begin(), all.end(), directory) == all.end())
-            all.emplace_back(directory);
+    for (const fs::path &directory :
+         {fs::path(chosen ? chosen : ""), beside_program(VDNA_INSTALLED_MODELS),
+          fs::path(VDNA_BUILD_MODELS), fs::path("/usr/share/vdna/models")})
+        if (!directory.empty() && std::find(all.begin(), all.end(), directory) == all.end())
+            all.push_back(directory);
     return all;
 }
 

@@ -25,9 +25,11 @@ typedef struct vdna_backbone_config {
     uint32_t threads;     /**< compute threads of the network, >= 1; default 2 */
     const char *manifest; /**< path of a TOML manifest (with a '/' or ending in ".toml"; paths
                                within it are relative to it), or the bare name of one in
-                               $VDNA_MODELS, the directory given at build time, or the system's */
-    const char *runtime;  /**< path of libonnxruntime.so; NULL = $VDNA_ONNXRUNTIME, then the path
-                               given at build time, then the system's (default) */
+                               $VDNA_MODELS, the running program's installation, the directory given
+                               at build time, or the system's */
+    const char *runtime;  /**< path of libonnxruntime.so; NULL = $VDNA_ONNXRUNTIME, then that of
+                               the running program's installation, then the path given at build
+                               time, then the system's (default) */
 } vdna_backbone_config;
 
 /** What an open network is. The texts are what an experience file carries. */

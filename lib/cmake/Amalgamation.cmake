@@ -1,0 +1,21 @@
+# amalgamation - core and select, which need nothing, as one vdna.c and one vdna.h in
+# BUILD/amalgamation. The map stays out: it needs POSIX and libmd, and so a build system anyway.
+block()
+  set(inputs)
+  foreach(part core select)
+    get_target_property(sources vdna_${part} SOURCES)
+    get_target_property(source_dir vdna_${part} SOURCE_DIR)
+    list(TRANSFORM sources PREPEND "${source_dir}/")
+    list(APPEND inputs ${sources})
+  endforeach()
+  list(APPEND inputs ${VDNA_HEADERS})
+  list(FILTER inputs EXCLUDE REGEX "/map\\.h$")
+
+  set(output "${PROJECT_BINARY_DIR}/amalgamation")
+  file(MAKE_DIRECTORY "${output}")
+  if(VDNA_PYTHON)
+    add_custom_target(amalgamation VERBATIM
+      COMMAND "${VDNA_PYTHON}" "${CMAKE_CURRENT_LIST_DIR}/amalgamate.py" ${PROJECT_VERSION}
+        "${output}" ${inputs})
+  endif()
+endblock()

@@ -1,0 +1,84 @@
+# Debian packages, by `cmake --build build --target package`: libvdna0, libvdna-dev, and, where the
+# programs are built, vdna. What only a package has is excluded from `cmake --install`.
+find_program(VDNA_DPKG_SHLIBDEPS dpkg-shlibdeps)
+find_program(VDNA_GZIP gzip)
+mark_as_advanced(VDNA_DPKG_SHLIBDEPS VDNA_GZIP)
+if(NOT VDNA_DPKG_SHLIBDEPS OR NOT VDNA_GZIP)
+  return()
+endif()
+set(debian "${CMAKE_CURRENT_LIST_DIR}/debian")
+set(made "${CMAKE_CURRENT_BINARY_DIR}/debian")
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "The vdna authors <maintainers@users.noreply.h-seed-8f829fc0.example>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE
+  GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(about "A robot that has several recordings of a route should localise against the
+one that looks most like the world does now. vdna finds out which, from
+appearance alone, by comparing the activations of a frozen network.
+.
+This package has")
+
+set(CPACK_COMPONENTS_ALL runtime development)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME libvdna${PROJECT_VERSION_MAJOR})
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
+# By hand: CPack would also announce the private ONNX Runtime of the programs.
+configure_file("${debian}/shlibs.in" "${made}/shlibs" @ONLY)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${debian}/triggers" "${made}/shlibs")
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "${about} the shared library.")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libvdna-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+  "libvdna${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}), libmd-dev")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "${about} the headers and the static library.")
+if(VDNA_APPS)
+  list(APPEND CPACK_COMPONENTS_ALL programs)
+  set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME vdna)
+  set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION science)
+  set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION
+    "${about} the command and the daemon, ONNX Runtime and two pretrained networks.")
+endif()
+
+# write a compressed file as Debian wants it, without a time stamp
+function(vdna_compress from to)
+  execute_process(COMMAND "${VDNA_GZIP}" -9nc "${from}" OUTPUT_FILE "${to}" COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+# The changelog and the licences of each package.
+file(MAKE_DIRECTORY "${made}")
+string(TIMESTAMP VDNA_DATE "%a, %d %b %Y %H:%M:%S +0000" UTC)
+configure_file("${debian}/changelog.in" "${made}/changelog" @ONLY)
+vdna_compress("${made}/changelog" "${made}/changelog.gz")
+file(READ "${PROJECT_SOURCE_DIR}/LICENSE" VDNA_MIT_TEXT)
+string(REGEX REPLACE "^.*authors\n\n" "" VDNA_MIT_TEXT "${VDNA_MIT_TEXT}")
+string(REGEX REPLACE "\n\n" "\n.\n" VDNA_MIT_TEXT "${VDNA_MIT_TEXT}")
+string(REGEX REPLACE "([^\n]+)\n" " \\1\n" VDNA_MIT_TEXT "${VDNA_MIT_TEXT}")
+foreach(component IN LISTS CPACK_COMPONENTS_ALL)
+  string(TOUPPER ${component} upper)
+  set(VDNA_COPYRIGHT_MORE)
+  if(EXISTS "${debian}/copyright-${component}")
+    file(READ "${debian}/copyright-${component}" VDNA_COPYRIGHT_MORE)
+  endif()
+  configure_file("${debian}/copyright.in" "${made}/${component}/copyright" @ONLY)
+  install(FILES "${made}/${component}/copyright" "${made}/changelog.gz"
+    DESTINATION "share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME}" COMPONENT ${component}
+    EXCLUDE_FROM_ALL)
+endforeach()
+
+if(VDNA_APPS)
+  install(FILES "${PROJECT_SOURCE_DIR}/apps/selectord/vdna_selectord.service"
+    DESTINATION lib/systemd/system COMPONENT programs EXCLUDE_FROM_ALL)
+  foreach(page IN ITEMS vdna.1 vdna_selectord.8)
+    string(REGEX REPLACE ".*\\." "" section ${page})
+    vdna_compress("${PROJECT_SOURCE_DIR}/docs/man/${page}" "${made}/${page}.gz")
+    install(FILES "${made}/${page}.gz" DESTINATION "share/man/man${section}"
+      COMPONENT programs EXCLUDE_FROM_ALL)
+  endforeach()
+endif()
+
+include(CPack)

@@ -1,0 +1,72 @@
+"""The Debian packages: lintian finds no error, and they hold what their names promise.
+
+Exit code 77 = skipped: a tool is missing.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+DEBS = sorted(Path(os.environ["VDNA_STAGE"], "debs").glob("*.deb"))
+
+if not DEBS or not shutil.which("lintian"):
+    print("skipped: needs Debian's dpkg-dev and lintian")
+    sys.exit(77)
+
+
+def output_of(*command):
+    return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def field(deb, name):
+    return output_of("dpkg-deb", "--field", deb, name).strip()
+
+
+class TheDebs(unittest.TestCase):
+    def setUp(self):
+        self.debs = {field(deb, "Package"): deb for deb in DEBS}
+
+    def test_have_no_errors(self):
+        found = subprocess.run(["lintian", "--allow-root", "--fail-on", "error", *DEBS],
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.assertEqual(found.returncode, 0, found.stdout)
+
+    def test_are_those_that_were_built(self):
+        expected = {"libvdna0", "libvdna-dev"}
+        if os.environ["VDNA_PROGRAMS"]:
+            expected.add("vdna")
+        self.assertEqual(set(self.debs), expected)
+
+    def test_the_library_depends_on_what_it_links(self):
+        self.assertRegex(field(self.debs["libvdna0"], "Depends"), r"libc6 .*libmd0")
+
+    def test_the_development_files_go_with_one_library(self):
+        version = field(self.debs["libvdna0"], "Version")
+        self.assertIn(f"libvdna0 (= {version})", field(self.debs["libvdna-dev"], "Depends"))
+
+    def test_each_has_its_licences(self):
+        for package, deb in self.debs.items():
+            archive = subprocess.Popen(["dpkg-deb", "--fsys-tarfile", deb], stdout=subprocess.PIPE)
+            text = subprocess.run(["tar", "-xO", f"./usr/share/doc/{package}/copyright"],
+                                  stdin=archive.stdout, stdout=subprocess.PIPE, text=True).stdout
+            archive.stdout.close()
+            archive.wait()
+            self.assertIn("Copyright: 2026 The vdna authors", text)
+            self.assertIn(" Permission is hereby granted", text)
+            self.assertEqual("ML Illustrated" in text and "Microsoft" in text, package == "vdna")
+
+    @unittest.skipUnless(os.environ["VDNA_PROGRAMS"], "needs the programs")
+    def test_the_programs_bring_their_networks_and_onnx_runtime(self):
+        content = output_of("dpkg-deb", "--contents", self.debs["vdna"])
+        for path in ("bin/vdna", "sbin/vdna_selectord", "lib/vdna/libonnxruntime.so",
+                     "share/vdna/models/efficientnet_lite0.onnx", "share/man/man1/vdna.1.gz",
+                     "lib/systemd/system/vdna_selectord.service",
+                     "share/doc/vdna/onnxruntime/ThirdPartyNotices.txt"):
+            self.assertIn(f" ./usr/{path}\n", content)
+
+
+if __name__ == "__main__":
+    unittest.main()
