@@ -181,15 +181,18 @@ static void a_refused_frame_changes_nothing(void **state)
 static void taps_of_the_same_total_but_another_division_are_refused(void **state)
 {
     (void)state;
-    const float ranges[] = {0, 4, 0, 4}, values[] = {1, 2};
-    const vdna_activations two[] = {{values, 1, 1, 0}, {values, 1, 1, 0}}, one = {values, 2, 1, 0};
+    const float ranges[] = {0, 4, 0, 4, 0, 4}, values[] = {1, 2};
+    const vdna_activations small_first[] = {{values, 1, 1, 0}, {values, 2, 1, 0}};
+    const vdna_activations large_first[] = {{values, 2, 1, 0}, {values, 1, 1, 0}};
+    const vdna_activations one = {ranges, 3, 1, 0};
     vdna_window_config config = by_frames(2);
-    config.taps = two;
+    config.taps = small_first;
     config.tap_count = 2;
     config.range = ranges;
     vdna_window window = window_of(config);
     assert_int_equal(vdna_window_add(&window, 0, &one, 1), VDNA_ERR_MISMATCH);
-    assert_int_equal(vdna_window_add(&window, 0, two, 2), VDNA_OK);
+    assert_int_equal(vdna_window_add(&window, 0, large_first, 2), VDNA_ERR_MISMATCH);
+    assert_int_equal(vdna_window_add(&window, 0, small_first, 2), VDNA_OK);
 }
 
 static void a_reset_window_is_empty_and_keeps_its_counters(void **state)
@@ -221,6 +224,7 @@ static void the_block_may_not_be_a_byte_too_small_nor_misaligned(void **state)
     assert_int_equal(vdna_window_init(&config, (char *)block + 4, size, &window), VDNA_ERR_ARG);
     assert_int_equal(vdna_window_init(&config, NULL, size, &window), VDNA_ERR_ARG);
     assert_int_equal(vdna_window_init(&config, block, size, NULL), VDNA_ERR_ARG);
+    assert_int_equal(vdna_window_init(NULL, block, size, &window), VDNA_ERR_ARG);
     assert_int_equal(vdna_window_init(&config, block, size, &window), VDNA_OK);
 }
 
@@ -266,6 +270,19 @@ static void a_capacity_whose_mass_cannot_be_counted_is_refused(void **state)
     config.taps = many;
     assert_true(vdna_window_mem_size(&config) > 65536u * 65535 * 2);
     config.capacity = 65536;
+    assert_int_equal(vdna_window_mem_size(&config), 0);
+}
+
+static void more_samples_than_memory_can_hold_are_refused(void **state)
+{
+    (void)state;
+    const vdna_activations huge[] = {{NULL, 1u << 30, 1u << 30, 0}};
+    vdna_window_config config = by_frames(1);
+    config.taps = huge;
+    config.tap_count = 1;
+    if (SIZE_MAX > UINT32_MAX)
+        assert_true(vdna_window_mem_size(&config) > 1u << 31);
+    config.capacity = 2;
     assert_int_equal(vdna_window_mem_size(&config), 0);
 }
 
@@ -437,6 +454,7 @@ int main(void)
         cmocka_unit_test(bad_configs_have_no_size),
         cmocka_unit_test(a_range_without_width_is_refused),
         cmocka_unit_test(a_capacity_whose_mass_cannot_be_counted_is_refused),
+        cmocka_unit_test(more_samples_than_memory_can_hold_are_refused),
         cmocka_unit_test(defaults_are_by_frames_with_a_thousand_bins),
         cmocka_unit_test(after_a_million_frames_it_equals_recomputation_by_frames),
         cmocka_unit_test(after_a_million_frames_it_equals_recomputation_by_time),

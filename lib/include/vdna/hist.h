@@ -104,6 +104,7 @@ VDNA_API void vdna_hist_reset(vdna_hist *hist);
 VDNA_API void vdna_hist_view_of(const vdna_hist *hist, vdna_hist_view *out_view);
 
 /** Check that two histograms compare: distances between them mean something.
+ *  @param p, q  read whole but for the counts
  *  @return VDNA_OK; VDNA_ERR_ARG if a view is not valid (a NULL, neurons or bins out of range);
  *          VDNA_ERR_MISMATCH if shapes or range values differ; VDNA_ERR_EMPTY if a neuron of
  *          either has no samples */

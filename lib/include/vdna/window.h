@@ -39,13 +39,13 @@ typedef struct vdna_window_config {
 /** A sliding window. Defined here so that it can sit anywhere; read the fields, never write
  *  them. */
 typedef struct vdna_window {
-    vdna_window_config config;
-    vdna_hist hist;      /**< of the frames in the window, `hist.frames` of them; for
-                              vdna_hist_view_of() and vdna_hist_merge() */
-    int64_t *utime;      /**< [capacity], private */
-    uint16_t *slots;     /**< [capacity][frame_values], private */
-    size_t frame_values; /**< activations of one frame, all taps together */
-    uint32_t oldest;     /**< private */
+    vdna_window_config config; /**< as it was given */
+    vdna_hist hist;            /**< of the frames in the window, `hist.frames` of them; for
+                                    vdna_hist_view_of() and vdna_hist_merge() */
+    int64_t *utime;            /**< [capacity], private */
+    uint16_t *slots;           /**< [capacity][frame_values], private */
+    size_t frame_values;       /**< activations of one frame, all taps together */
+    uint32_t oldest;           /**< private */
     uint32_t truncated;  /**< 1 while, for want of capacity, a frame is missing that is younger
                               than length_us; 0 by frames */
     int64_t first_utime; /**< of the oldest frame, valid while there is one */
@@ -56,17 +56,22 @@ typedef struct vdna_window {
                               backwards, since init */
 } vdna_window;
 
-/** Write the defaults: 1000 bins, by frames; the caller must set capacity, taps and range. */
+/** Write the defaults: 1000 bins, by frames; the caller must set capacity, taps and range.
+ *  @param config  NULL is allowed */
 VDNA_API void vdna_window_config_init(vdna_window_config *config);
 
 /** Bytes that vdna_window_init() needs: 2 for each sample of `capacity` frames, 8 for each frame,
  *  and a histogram.
- *  @return 0 if a field breaks its rule, or if `capacity` frames could bring a mass past
+ *  @param config  its range is not looked at
+ *  @return bytes; 0 if a field breaks its rule, or if `capacity` frames could bring a mass past
  *          UINT32_MAX */
 VDNA_API size_t vdna_window_mem_size(const vdna_window_config *config);
 
 /** Make an empty window in `mem`, which must stay valid while `out_window` is in use.
+ *  @param config  copied; its taps and range are borrowed
  *  @param mem  aligned for int64_t, `mem_size` bytes
+ *  @param mem_size  at least vdna_window_mem_size()
+ *  @param out_window  may be moved, but not copied: its state is in the struct and the block
  *  @return VDNA_OK; VDNA_ERR_ARG for a bad config or alignment; VDNA_ERR_NOMEM if too small */
 VDNA_API vdna_status vdna_window_init(const vdna_window_config *config, void *mem, size_t mem_size,
                                       vdna_window *out_window);
@@ -75,13 +80,16 @@ VDNA_API vdna_status vdna_window_init(const vdna_window_config *config, void *me
  *  unchanged.
  *  A stamp earlier than the newest one empties the window first, because it would not be one
  *  stretch of time; equal stamps are in order. That holds by frames as well.
- *  @param utime  the camera's stamp in microseconds
- *  @param taps   [tap_count], of the shape in the config
+ *  @param window     added to
+ *  @param utime      the camera's stamp in microseconds
+ *  @param taps       [tap_count], of the shape in the config
+ *  @param tap_count  as in the config
  *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_MISMATCH or VDNA_ERR_NONFINITE for a bad frame */
 VDNA_API vdna_status vdna_window_add(vdna_window *window, int64_t utime,
                                      const vdna_activations *taps, size_t tap_count);
 
-/** Empty the window. Counters stay. */
+/** Empty the window. Counters stay.
+ *  @param window  NULL is allowed */
 VDNA_API void vdna_window_reset(vdna_window *window);
 
 #ifdef __cplusplus
