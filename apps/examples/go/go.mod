@@ -1,0 +1,3 @@
+module example/rank
+
+go 1.21

@@ -1,0 +1,65 @@
+package example;
+
+import example.Vdna.Histogram;
+import example.Vdna.Ranges;
+import example.Vdna.RankEntry;
+import java.math.BigDecimal;
+import java.math.RoundingMode;
+import java.util.List;
+import java.util.function.Consumer;
+
+/**
+ * rank: which of three drives looks most like now? As rank.c, and it prints the same bytes.
+ *
+ * <p>mvn compile exec:java, with -Djna.library.path=DIR if libvdna is not installed.
+ */
+public final class Rank {
+    private static final int NEURONS = 8, SAMPLES = 4, FRAMES = 50, BINS = 1000;
+
+    /** A made-up drive: its activations lie in shift..shift + 1. */
+    private record Drive(String name, int seed, float shift) {
+        /**
+         * Give the activations of each frame, [samples][neurons]. Each number is the upper half of
+         * x = 1664525 x + 1013904223 (mod 2^32), divided by 2^16: exact in any language.
+         */
+        void eachFrame(Consumer<float[]> consumer) {
+            int x = seed;
+            float[] values = new float[SAMPLES * NEURONS];
+            for (int frame = 0; frame < FRAMES; frame++) {
+                for (int i = 0; i < values.length; i++) {
+                    x = x * 1664525 + 1013904223;
+                    values[i] = (x >>> 16) / 65536f + shift;
+                }
+                consumer.accept(values);
+            }
+        }
+    }
+
+    private static final List<Drive> CANDIDATES = List.of(
+        new Drive("spring", 1, 0f), new Drive("summer", 2, 0.25f), new Drive("winter", 3, 0.75f));
+    private static final Drive NOW = new Drive("now", 4, 0.3125f);
+
+    private static Histogram count(Drive drive, float[] range) {
+        Histogram histogram = new Histogram(range, BINS);
+        drive.eachFrame(histogram::add);
+        return histogram;
+    }
+
+    public static void main(String[] arguments) {
+        // Ranges come from the map alone; the live drive never changes them.
+        Ranges ranges = new Ranges(NEURONS);
+        CANDIDATES.forEach(drive -> drive.eachFrame(ranges::observe));
+        float[] range = ranges.expand(1.2f);
+
+        List<Histogram> candidates =
+            CANDIDATES.stream().map(drive -> count(drive, range)).toList();
+        int place = 1;
+        for (RankEntry entry : Vdna.rank(count(NOW, range), candidates)) {
+            // Not "%.17f", which stops at the shortest digits that tell a double apart.
+            BigDecimal distance =
+                new BigDecimal(entry.distanceBins()).setScale(17, RoundingMode.HALF_EVEN);
+            String name = CANDIDATES.get(entry.candidate()).name();
+            System.out.printf("%d. %s is %s bins away%n", place++, name, distance);
+        }
+    }
+}

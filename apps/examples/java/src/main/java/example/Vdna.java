@@ -1,0 +1,201 @@
+package example;
+
+import com.sun.jna.IntegerType;
+import com.sun.jna.Library;
+import com.sun.jna.Memory;
+import com.sun.jna.Native;
+import com.sun.jna.Pointer;
+import com.sun.jna.Structure;
+import com.sun.jna.Structure.FieldOrder;
+import java.lang.ref.Reference;
+import java.util.ArrayList;
+import java.util.List;
+
+/**
+ * libvdna for Java, as far as Rank needs it; other functions are declared the same way, from
+ * lib/include/vdna.
+ *
+ * <p>JNA gives memory back when nothing in Java refers to it, and does not see what C refers to: an
+ * object holds on to all that the library borrows from it, and is itself held on to until the call
+ * is over.
+ */
+public final class Vdna {
+    private static final C LIBRARY = Native.load("vdna", C.class);
+
+    /** The C side, as in the headers. */
+    private interface C extends Library {
+        String vdna_status_text(int status);
+
+        int vdna_range_clear(Pointer range, int neurons);
+
+        int vdna_range_observe(Pointer range, int neurons, CActivations taps, SizeT count);
+
+        int vdna_range_expand(Pointer range, int neurons, float factor, int rule);
+
+        void vdna_hist_config_init(CHistConfig config);
+
+        SizeT vdna_hist_mem_size(CHistConfig config);
+
+        int vdna_hist_init(CHistConfig config, Pointer mem, SizeT size, CHist outHist);
+
+        int vdna_hist_add(CHist hist, CActivations taps, SizeT count);
+
+        void vdna_hist_view_of(CHist hist, CHistView outView);
+
+        SizeT vdna_emd_scratch_size(int neurons);
+
+        int vdna_rank(CHistView live, CHistView candidates, int count, Pointer scratch, SizeT size,
+                      CRankEntry outRanking);
+    }
+
+    public static final class SizeT extends IntegerType {
+        public SizeT() {
+            this(0);
+        }
+
+        public SizeT(long value) {
+            super(Native.SIZE_T_SIZE, value, true);
+        }
+    }
+
+    @FieldOrder({"values", "neurons", "samples", "layout"})
+    public static final class CActivations extends Structure {
+        public Pointer values;
+        public int neurons, samples, layout;
+    }
+
+    @FieldOrder({"structSize", "neurons", "bins", "range"})
+    public static final class CHistConfig extends Structure {
+        public int structSize, neurons, bins;
+        public Pointer range;
+    }
+
+    @FieldOrder({"range", "counts", "mass", "saturated", "neurons", "bins", "frames"})
+    public static final class CHist extends Structure {
+        public Pointer range, counts, mass, saturated;
+        public int neurons, bins, frames;
+    }
+
+    @FieldOrder({"range", "counts", "mass", "neurons", "bins"})
+    public static final class CHistView extends Structure {
+        public Pointer range, counts, mass;
+        public int neurons, bins;
+    }
+
+    @FieldOrder({"distanceBins", "candidate", "tied"})
+    public static final class CRankEntry extends Structure {
+        public double distanceBins;
+        public int candidate, tied;
+    }
+
+    /** What the library refused; {@code status} is a VDNA_ERR_ code. */
+    public static final class VdnaException extends RuntimeException {
+        public final int status;
+
+        VdnaException(int status) {
+            super(LIBRARY.vdna_status_text(status));
+            this.status = status;
+        }
+    }
+
+    private static void check(int status) {
+        if (status != 0) {
+            throw new VdnaException(status);
+        }
+    }
+
+    private static Memory copyOf(float[] values) {
+        Memory memory = new Memory(4L * values.length);
+        memory.write(0, values, 0, values.length);
+        return memory;
+    }
+
+    /** One frame, [samples][neurons], as the library reads it. */
+    private static CActivations tapOf(float[] values, int neurons) {
+        if (values.length == 0 || values.length % neurons != 0) {
+            throw new IllegalArgumentException(
+                values.length + " activations are not whole samples of " + neurons + " neurons");
+        }
+        CActivations tap = new CActivations();
+        tap.values = copyOf(values);
+        tap.neurons = neurons;
+        tap.samples = values.length / neurons;
+        return tap;
+    }
+
+    /** The least and the greatest activation of each neuron. */
+    public static final class Ranges {
+        private final int neurons;
+        private final Memory table;
+
+        public Ranges(int neurons) {
+            this.neurons = neurons;
+            this.table = new Memory(8L * neurons);
+            check(LIBRARY.vdna_range_clear(table, neurons));
+        }
+
+        /** Widen the ranges to contain one frame, [samples][neurons]. */
+        public void observe(float[] values) {
+            check(LIBRARY.vdna_range_observe(table, neurons, tapOf(values, neurons), new SizeT(1)));
+        }
+
+        /** The table to bin with, [neurons][2], widened about the midpoint; call it once. */
+        public float[] expand(float factor) {
+            check(LIBRARY.vdna_range_expand(table, neurons, factor, 0));
+            return table.getFloatArray(0, 2 * neurons);
+        }
+    }
+
+    /** A histogram, with the memory that the library counts in. */
+    public static final class Histogram {
+        private final CHist hist = new CHist();
+        private final Memory range;
+        private final Memory memory;
+
+        /** {@code range} is [neurons][2] and is copied. */
+        public Histogram(float[] range, int bins) {
+            this.range = copyOf(range);
+            CHistConfig config = new CHistConfig();
+            LIBRARY.vdna_hist_config_init(config);
+            config.neurons = range.length / 2;
+            config.bins = bins;
+            config.range = this.range;
+            SizeT size = LIBRARY.vdna_hist_mem_size(config);
+            this.memory = new Memory(Math.max(1, size.longValue()));
+            check(LIBRARY.vdna_hist_init(config, memory, size, hist));
+        }
+
+        /** Count one frame, [samples][neurons]. */
+        public void add(float[] values) {
+            check(LIBRARY.vdna_hist_add(hist, tapOf(values, hist.neurons), new SizeT(1)));
+            Reference.reachabilityFence(this);
+        }
+    }
+
+    /** One place of a ranking; {@code candidate} is an index into the candidates. */
+    public record RankEntry(double distanceBins, int candidate, boolean tied) {}
+
+    /** Rank at least one candidate by distance to a live histogram, nearest first. */
+    public static List<RankEntry> rank(Histogram live, List<Histogram> candidates) {
+        CHistView liveView = new CHistView();
+        LIBRARY.vdna_hist_view_of(live.hist, liveView);
+        CHistView[] views = (CHistView[]) new CHistView().toArray(candidates.size());
+        for (int i = 0; i < views.length; i++) {
+            LIBRARY.vdna_hist_view_of(candidates.get(i).hist, views[i]);
+        }
+        CRankEntry[] places = (CRankEntry[]) new CRankEntry().toArray(candidates.size());
+        SizeT size = LIBRARY.vdna_emd_scratch_size(liveView.neurons);
+        Memory scratch = new Memory(size.longValue());
+        check(LIBRARY.vdna_rank(liveView, views[0], views.length, scratch, size, places[0]));
+        Reference.reachabilityFence(live);
+        Reference.reachabilityFence(candidates);
+
+        List<RankEntry> ranking = new ArrayList<>();
+        for (CRankEntry place : places) {
+            ranking.add(new RankEntry(place.distanceBins, place.candidate, place.tied != 0));
+        }
+        return ranking;
+    }
+
+    private Vdna() {}
+}

@@ -1,0 +1,52 @@
+"""Which recorded experience should a robot localise against now?
+
+The C library libvdna for NumPy: activation histograms ("Visual DNA"), the exact Earth Mover's
+Distance, ranking, nearest neighbours, the selector, and experience files.
+
+Memory. Arrays go in without a copy when they have the stated dtype and are C-contiguous, and are
+converted otherwise. Arrays that come out are read-only views of the library's memory, which stays
+as long as one of them does; those of a histogram follow its changes.
+
+Errors. What the library refuses raises VdnaError, with its status and its text. What does not fit
+before it is asked (a shape, a dtype, an integer out of range) raises ValueError or TypeError. After
+either, the object is as it was.
+
+Threads. Different objects may be used from different threads; one object by one thread at a time.
+The library runs without the interpreter lock.
+
+Units. Distances of histograms are in bins; times are integers of microseconds.
+"""
+
+from ._library import Status, VdnaError, version
+from .activations import FeatureMap
+from .distance import RankEntry, emd, emd_mean, rank
+from .experience import Experience, open_map
+from .histogram import Histogram, HistogramView
+from .neighbours import Neighbours, nearest
+from .ranges import Ranges
+from .reference import ReferenceVdna
+from .selector import Answer, Candidate, Match, Selector
+
+__version__ = version()
+
+__all__ = [
+    "Answer",
+    "Candidate",
+    "Experience",
+    "FeatureMap",
+    "Histogram",
+    "HistogramView",
+    "Match",
+    "Neighbours",
+    "RankEntry",
+    "Ranges",
+    "ReferenceVdna",
+    "Selector",
+    "Status",
+    "VdnaError",
+    "emd",
+    "emd_mean",
+    "nearest",
+    "open_map",
+    "rank",
+]

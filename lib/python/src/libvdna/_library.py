@@ -1,0 +1,263 @@
+"""The C library: its structs and functions as in lib/include/vdna, and its errors."""
+
+from __future__ import annotations
+
+import ctypes
+import enum
+import os
+from ctypes import POINTER, Structure, c_char, c_char_p, c_double, c_float, c_int32, c_int64
+from ctypes import c_size_t, c_uint32, c_uint64, c_void_p
+from typing import Any, Dict, Tuple
+
+
+class Status(enum.IntEnum):
+    """Result of a call of the C library."""
+
+    OK = 0
+    ARG = 1
+    NOMEM = 2
+    NONFINITE = 3
+    FULL = 4
+    EMPTY = 5
+    MISMATCH = 6
+    OVERFLOW = 7
+    UNDERFLOW = 8
+    IO = 9
+    FORMAT = 10
+    CHECKSUM = 11
+    UNSUPPORTED = 12
+    RUNTIME = 13
+
+
+class VdnaError(Exception):
+    """The library refused a call; `status` says why, str() says it in words."""
+
+    def __init__(self, status: Status, text: str) -> None:
+        super().__init__(status, text)
+        self.status = status
+        self.text = text
+
+    def __str__(self) -> str:
+        return self.text
+
+
+class Error(Structure):
+    _fields_ = [("text", c_char * 512)]
+
+
+class Activations(Structure):
+    _fields_ = [
+        ("values", c_void_p),
+        ("neurons", c_uint32),
+        ("samples", c_uint32),
+        ("layout", c_uint32),
+    ]
+
+
+class HistConfig(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("neurons", c_uint32),
+        ("bins", c_uint32),
+        ("range", c_void_p),
+    ]
+
+
+class Hist(Structure):
+    _fields_ = [
+        ("range", c_void_p),
+        ("counts", c_void_p),
+        ("mass", c_void_p),
+        ("saturated", c_void_p),
+        ("neurons", c_uint32),
+        ("bins", c_uint32),
+        ("frames", c_uint32),
+    ]
+
+
+class HistView(Structure):
+    _fields_ = [
+        ("range", c_void_p),
+        ("counts", c_void_p),
+        ("mass", c_void_p),
+        ("neurons", c_uint32),
+        ("bins", c_uint32),
+    ]
+
+
+class RankPlace(Structure):
+    _fields_ = [("distance_bins", c_double), ("candidate", c_uint32), ("tied", c_uint32)]
+
+
+class KnnMatch(Structure):
+    _fields_ = [("distance_sq", c_double), ("index", c_uint32), ("reserved", c_uint32)]
+
+
+class SelectCandidate(Structure):
+    _fields_ = [
+        ("dna", HistView),
+        ("embeddings", c_void_p),
+        ("frames", c_uint32),
+        ("reserved", c_uint32),
+    ]
+
+
+class SelectConfig(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("candidate_count", c_uint32),
+        ("candidates", POINTER(SelectCandidate)),
+        ("dim", c_uint32),
+        ("warmup_frames", c_uint32),
+        ("warmup_us", c_int64),
+    ]
+
+
+class SelectFrame(Structure):
+    _fields_ = [
+        ("utime", c_int64),
+        ("taps", POINTER(Activations)),
+        ("tap_count", c_size_t),
+        ("embedding", c_void_p),
+    ]
+
+
+class SelectAnswer(Structure):
+    _fields_ = [
+        ("state", c_uint32),
+        ("newly_ranked", c_uint32),
+        ("restarted", c_uint32),
+        ("localised", c_uint32),
+        ("match", KnnMatch),
+    ]
+
+
+class Select(Structure):
+    _fields_ = [
+        ("config", SelectConfig),
+        ("live", Hist),
+        ("views", c_void_p),
+        ("ranking", POINTER(RankPlace)),
+        ("scratch", c_void_p),
+        ("scratch_size", c_size_t),
+        ("first_utime", c_int64),
+        ("last_utime", c_int64),
+        ("state", c_uint32),
+        ("chosen", c_uint32),
+        ("margin_bins", c_double),
+        ("accepted", c_uint64),
+        ("rejected", c_uint64),
+        ("restarts", c_uint64),
+    ]
+
+
+class ExperienceFile(Structure):
+    _fields_ = [
+        ("name", c_char * 64),
+        ("backbone", c_char * 64),
+        ("model_sha256", c_char * 65),
+        ("preprocessing", c_char * 512),
+        ("taps", c_char * 512),
+        ("comparable", c_char * 65),
+        ("neurons", c_uint32),
+        ("bins", c_uint32),
+        ("frames", c_uint32),
+        ("dim", c_uint32),
+        ("range", c_void_p),
+        ("counts", c_void_p),
+        ("mass", c_void_p),
+        ("embeddings", c_void_p),
+        ("frame_utime", c_void_p),
+        ("frame_place", c_void_p),
+        ("frame_position", c_void_p),
+        ("frame_grey", c_void_p),
+        ("mapping", c_void_p),
+        ("mapping_size", c_size_t),
+    ]
+
+
+def _raise_refusal(status: int, function: Any, arguments: Any) -> None:
+    if status == Status.OK:
+        return
+    errors = [argument for argument in arguments if isinstance(argument, Error)]
+    if errors:
+        text = errors[0].text.decode("utf-8", "replace")
+    else:
+        text = f"{function.__name__}: {lib.vdna_status_text(status).decode()}"
+    raise VdnaError(Status(status), text)
+
+
+def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
+    """Give the functions their types: those that may fail, then those that answer directly."""
+    path, address, size = c_char_p, c_void_p, c_size_t
+    taps = (POINTER(Activations), size)
+    may_fail: Dict[str, Tuple[Any, ...]] = {
+        "vdna_range_check": (address, c_uint32),
+        "vdna_range_clear": (address, c_uint32),
+        "vdna_range_observe": (address, c_uint32, *taps),
+        "vdna_range_expand": (address, c_uint32, c_float, c_uint32),
+        "vdna_hist_init": (POINTER(HistConfig), address, size, POINTER(Hist)),
+        "vdna_hist_add": (POINTER(Hist), *taps),
+        "vdna_hist_merge": (POINTER(Hist), POINTER(Hist)),
+        "vdna_hist_subtract": (POINTER(Hist), POINTER(Hist)),
+        "vdna_emd": (POINTER(HistView), POINTER(HistView), address, size, address),
+        "vdna_emd_mean": (POINTER(HistView), POINTER(HistView), address, size, POINTER(c_double)),
+        "vdna_rank": (
+            POINTER(HistView),
+            POINTER(HistView),
+            c_uint32,
+            address,
+            size,
+            POINTER(RankPlace),
+        ),
+        "vdna_knn": (address, c_uint32, address, c_uint32, c_uint32, address),
+        "vdna_select_init": (POINTER(SelectConfig), address, size, POINTER(Select)),
+        "vdna_select_feed": (POINTER(Select), POINTER(SelectFrame), POINTER(SelectAnswer)),
+        "vdna_experience_open": (path, POINTER(Error), POINTER(ExperienceFile)),
+        "vdna_experience_write": (POINTER(ExperienceFile), path, POINTER(Error)),
+        "vdna_experience_compare": (
+            POINTER(ExperienceFile),
+            POINTER(ExperienceFile),
+            POINTER(Error),
+        ),
+        "vdna_map_count": (path, POINTER(Error), POINTER(c_uint32)),
+        "vdna_map_open": (
+            path,
+            c_uint32,
+            POINTER(Error),
+            POINTER(ExperienceFile),
+            POINTER(c_uint32),
+        ),
+    }
+    direct: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
+        "vdna_version": (c_char_p, ()),
+        "vdna_status_text": (c_char_p, (c_int32,)),
+        "vdna_hist_config_init": (None, (POINTER(HistConfig),)),
+        "vdna_hist_mem_size": (size, (POINTER(HistConfig),)),
+        "vdna_hist_reset": (None, (POINTER(Hist),)),
+        "vdna_hist_view_of": (None, (POINTER(Hist), POINTER(HistView))),
+        "vdna_emd_scratch_size": (size, (c_uint32,)),
+        "vdna_select_config_init": (None, (POINTER(SelectConfig),)),
+        "vdna_select_mem_size": (size, (POINTER(SelectConfig),)),
+        "vdna_select_reset": (None, (POINTER(Select),)),
+        "vdna_select_progress": (c_double, (POINTER(Select),)),
+        "vdna_experience_close": (None, (POINTER(ExperienceFile),)),
+        "vdna_experience_view": (None, (POINTER(ExperienceFile), POINTER(HistView))),
+    }
+    for name, arguments in may_fail.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = c_int32, arguments
+        function.errcheck = _raise_refusal
+    for name, (result, arguments) in direct.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+lib = _declare(ctypes.CDLL(os.path.join(os.path.dirname(os.path.abspath(__file__)), "libvdna.so")))
+
+
+def version() -> str:
+    """MAJOR.MINOR.PATCH of the C library inside this package."""
+    text: bytes = lib.vdna_version()
+    return text.decode()

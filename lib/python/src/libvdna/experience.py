@@ -1,0 +1,263 @@
+"""Experience files: one recorded traversal each, read by mmap without a copy."""
+
+from __future__ import annotations
+
+import os
+from ctypes import c_uint32
+from typing import Any, List, Optional, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._arrays import UINT32_MAX, floats, integer, integers, shaped, view
+from ._library import Error, ExperienceFile, HistView, lib
+from .histogram import HistogramView, view_of
+
+Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
+
+
+def _path(path: Path) -> bytes:
+    name = os.fsencode(path)
+    if b"\0" in name:
+        raise ValueError("a path holds a NUL byte")
+    return name
+
+
+def _text(value: str, what: str, capacity: int) -> bytes:
+    text = value.encode()
+    if b"\0" in text or len(text) >= capacity:
+        raise ValueError(f"{what} is {value!r}, expected at most {capacity - 1} bytes without NUL")
+    return text
+
+
+class _Mapping:
+    """An open file's struct; unmapped when the last array over it is gone."""
+
+    def __init__(self) -> None:
+        self.file = ExperienceFile()
+
+    def __del__(self) -> None:
+        lib.vdna_experience_close(self.file)
+
+
+class Experience:
+    """One recorded traversal: its Visual DNA, and the embedding and labels of each frame.
+
+    Its file stays mapped as long as the experience or an array of it is in use. Until then the file
+    may be replaced by a rename or deleted, but not overwritten or cut short in place.
+    """
+
+    _file: ExperienceFile
+    _owner: object
+    _histogram: HistogramView
+    _embeddings: NDArray[np.float32]
+    _frame_utime: NDArray[np.int64]
+    _frame_grey: NDArray[np.float32]
+    _frame_place: Optional[NDArray[np.int64]]
+    _frame_position: Optional[NDArray[np.float64]]
+
+    def __init__(
+        self,
+        *,
+        name: str,
+        backbone: str,
+        model_sha256: str,
+        preprocessing: str,
+        taps: str,
+        histogram: HistogramView,
+        embeddings: ArrayLike,
+        frame_utime: ArrayLike,
+        frame_grey: ArrayLike,
+        frame_place: Optional[ArrayLike] = None,
+        frame_position: Optional[ArrayLike] = None,
+    ) -> None:
+        """An experience to write(). Arrays of the stated dtypes are not copied.
+
+        name: of the traversal: 1 to 63 letters, digits, '.', '_', '-'
+        backbone: name of the network; same alphabet
+        model_sha256: of the ONNX file, 64 lower-case hexadecimal digits
+        preprocessing: everything that shapes the network's input, 1 to 511 printable characters
+        taps: "NAME:NEURONS:SAMPLES[,...]" in the order of the histogram's neurons
+        histogram: of all frames
+        embeddings: float32 [frames][dim]
+        frame_utime: int64 [frames], camera stamps in microseconds
+        frame_grey: float32 [frames], mean grey levels 0..255
+        frame_place: int64 [frames], place numbers
+        frame_position: float64 [frames][3], metres in one Cartesian frame shared by the map
+        """
+        self._histogram = histogram
+        self._embeddings = shaped(floats(embeddings, "embeddings"), ("frames", "dim"), "embeddings")
+        frames, dim = self._embeddings.shape
+        utime = integers(frame_utime, "frame_utime", np.int64)
+        self._frame_utime = shaped(utime, (frames,), "frame_utime")
+        self._frame_grey = shaped(floats(frame_grey, "frame_grey"), (frames,), "frame_grey")
+        self._frame_place = self._frame_position = None
+        if frame_place is not None:
+            place = integers(frame_place, "frame_place", np.int64)
+            self._frame_place = shaped(place, (frames,), "frame_place")
+        if frame_position is not None:
+            position = floats(frame_position, "frame_position", np.float64)
+            self._frame_position = shaped(position, (frames, 3), "frame_position")
+
+        dna = view_of(histogram)
+        self._owner = None
+        self._file = ExperienceFile(
+            name=_text(name, "name", 64),
+            backbone=_text(backbone, "backbone", 64),
+            model_sha256=_text(model_sha256, "model_sha256", 65),
+            preprocessing=_text(preprocessing, "preprocessing", 512),
+            taps=_text(taps, "taps", 512),
+            neurons=dna.neurons,
+            bins=dna.bins,
+            frames=integer(frames, "the number of frames", 0, UINT32_MAX),
+            dim=integer(dim, "dim", 0, UINT32_MAX),
+            range=dna.range,
+            counts=dna.counts,
+            mass=dna.mass,
+            embeddings=self._embeddings.ctypes.data,
+            frame_utime=self._frame_utime.ctypes.data,
+            frame_place=_address(self._frame_place),
+            frame_position=_address(self._frame_position),
+            frame_grey=self._frame_grey.ctypes.data,
+        )
+
+    @classmethod
+    def open(cls, path: Path) -> Experience:
+        """Open an experience file: map it, check every byte of it, point into it.
+
+        VdnaError: IO, FORMAT, CHECKSUM, UNSUPPORTED for a newer format
+        """
+        mapping = _Mapping()
+        lib.vdna_experience_open(_path(path), Error(), mapping.file)
+        return cls._over(mapping)
+
+    @classmethod
+    def _over(cls, mapping: _Mapping) -> Experience:
+        self = cls.__new__(cls)
+        file = self._file = mapping.file
+        self._owner = mapping
+        pointers = HistView()
+        lib.vdna_experience_view(file, pointers)
+
+        def array(address: Optional[int], dtype: Any, *columns: int) -> Any:
+            return address and view(mapping, address, (file.frames, *columns), dtype)
+
+        self._histogram = HistogramView._over(mapping, pointers)
+        self._embeddings = array(file.embeddings, np.float32, file.dim)
+        self._frame_utime = array(file.frame_utime, np.int64)
+        self._frame_grey = array(file.frame_grey, np.float32)
+        self._frame_place = array(file.frame_place, np.int64)
+        self._frame_position = array(file.frame_position, np.float64, 3)
+        return self
+
+    def write(self, path: Path) -> None:
+        """Write the file crash-safely: an interrupted call leaves `path` as it was.
+
+        VdnaError: ARG, NONFINITE or MISMATCH for an experience that breaks the rules of
+                   docs/SPEC-map.md, IO
+        """
+        lib.vdna_experience_write(self._file, _path(path), Error())
+
+    def check_comparable(self, other: Experience) -> None:
+        """Check that two experiences have the same model, preprocessing, taps, dim, bins and
+        ranges.
+
+        VdnaError: MISMATCH, naming the first field that differs
+        """
+        if not isinstance(other, Experience):
+            raise TypeError(f"expected an Experience, got {type(other).__name__}")
+        lib.vdna_experience_compare(self._file, other._file, Error())
+
+    @property
+    def name(self) -> str:
+        """Name of the traversal."""
+        return str(self._file.name.decode())
+
+    @property
+    def backbone(self) -> str:
+        """Name of the network."""
+        return str(self._file.backbone.decode())
+
+    @property
+    def model_sha256(self) -> str:
+        """SHA-256 of the ONNX file."""
+        return str(self._file.model_sha256.decode())
+
+    @property
+    def preprocessing(self) -> str:
+        """Everything that shaped the network's input."""
+        return str(self._file.preprocessing.decode())
+
+    @property
+    def taps(self) -> str:
+        """ "NAME:NEURONS:SAMPLES[,...]" in the order of the histogram's neurons."""
+        return str(self._file.taps.decode())
+
+    @property
+    def comparable(self) -> Optional[str]:
+        """SHA-256 over all that must agree for two experiences to compare; None if this one is not
+        from a file."""
+        return self._file.comparable.decode() or None
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        return len(self._embeddings)
+
+    @property
+    def dim(self) -> int:
+        """Numbers in an embedding."""
+        return int(self._embeddings.shape[1])
+
+    @property
+    def histogram(self) -> HistogramView:
+        """The Visual DNA of all frames."""
+        return self._histogram
+
+    @property
+    def embeddings(self) -> NDArray[np.float32]:
+        """[frames][dim]: one descriptor for each frame."""
+        return self._embeddings
+
+    @property
+    def frame_utime(self) -> NDArray[np.int64]:
+        """[frames]: camera stamps in microseconds."""
+        return self._frame_utime
+
+    @property
+    def frame_grey(self) -> NDArray[np.float32]:
+        """[frames]: mean grey levels 0..255."""
+        return self._frame_grey
+
+    @property
+    def frame_place(self) -> Optional[NDArray[np.int64]]:
+        """[frames]: place numbers; None if there are none."""
+        return self._frame_place
+
+    @property
+    def frame_position(self) -> Optional[NDArray[np.float64]]:
+        """[frames][3]: metres in one Cartesian frame shared by the map; None if there are none."""
+        return self._frame_position
+
+
+def _address(array: Optional[NDArray[Any]]) -> Optional[int]:
+    return None if array is None else array.ctypes.data
+
+
+def open_map(directory: Path) -> List[Experience]:
+    """Open all experiences of a map, in the byte order of their file names, and check that they
+    compare and that their names differ.
+
+    directory: its files that end in ".vdna" are the experiences
+    VdnaError: EMPTY if there is none, MISMATCH, and what Experience.open() raises
+    """
+    path, count = _path(directory), c_uint32()
+    lib.vdna_map_count(path, Error(), count)
+    files = (ExperienceFile * max(1, count.value))()
+    lib.vdna_map_open(path, len(files), Error(), files, count)
+    experiences = []
+    for file in files[: count.value]:
+        mapping = _Mapping()
+        mapping.file = file
+        experiences.append(Experience._over(mapping))
+    return experiences

@@ -1,0 +1,60 @@
+"""Ranges: where each neuron's histogram begins and ends."""
+
+from __future__ import annotations
+
+from typing import SupportsIndex
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._arrays import UINT32_MAX, integer
+from ._library import lib
+from .activations import Tap, Taps
+
+_RULES = {"about_midpoint": 0, "about_zero": 1}
+
+
+class Ranges:
+    """The least and the greatest activation of each neuron over all frames observed.
+
+    Calibrate once on the pictures of a map, then give the same table to every histogram:
+
+        ranges = Ranges(768)
+        for tokens in frames:
+            ranges.observe(tokens)
+        histogram = Histogram(ranges.expand())
+    """
+
+    def __init__(self, neurons: SupportsIndex) -> None:
+        """
+        neurons: of all taps together, >= 1
+        """
+        self._neurons = integer(neurons, "neurons", 1, UINT32_MAX)
+        self._table = np.empty((self._neurons, 2), np.float32)
+        lib.vdna_range_clear(self._table.ctypes.data, self._neurons)
+
+    def observe(self, *taps: Tap) -> None:
+        """Widen the ranges to contain one frame.
+
+        taps: float32, their neurons one tap after the other: [neurons], [samples][neurons] or
+              FeatureMap([neurons][...])
+        VdnaError: MISMATCH if the neurons do not add up, NONFINITE for a NaN or an infinity
+        """
+        frame = Taps(taps)
+        lib.vdna_range_observe(self._table.ctypes.data, self._neurons, frame.array, frame.count)
+
+    def expand(self, factor: float = 1.2, rule: str = "about_midpoint") -> NDArray[np.float32]:
+        """The table to bin with: what was observed, widened to leave a margin.
+
+        factor: >= 1
+        rule: "about_midpoint" multiplies the half-width. "about_zero" multiplies both edges, as the
+              reference package does, which clamps a neuron whose minimum is positive
+        returns: float32 [neurons][2], lo and hi of each neuron in activation units
+        VdnaError: EMPTY if nothing was observed, ARG for a bad factor, NONFINITE if an edge leaves
+                   the float range
+        """
+        if rule not in _RULES:
+            raise ValueError(f"rule is {rule!r}, expected one of {sorted(_RULES)}")
+        table = self._table.copy()
+        lib.vdna_range_expand(table.ctypes.data, self._neurons, factor, _RULES[rule])
+        return table

@@ -1,0 +1,176 @@
+"""The selector: warm up on live frames, rank the experiences, choose one, localise in it."""
+
+from __future__ import annotations
+
+from typing import Any, List, NamedTuple, Optional, Sequence, SupportsIndex, Union
+
+from numpy.typing import ArrayLike
+
+from ._arrays import UINT32_MAX, block, floats, integer, shaped
+from ._library import HistView, Select, SelectAnswer, SelectCandidate, SelectConfig, SelectFrame
+from ._library import lib
+from .activations import Tap, Taps
+from .distance import RankEntry, entries
+from .experience import Experience
+from .histogram import HistogramView, view_of
+
+_SELECTED = 1
+_INT64_MAX = 2**63 - 1
+
+
+class Candidate(NamedTuple):
+    """What a selector needs of an experience that has no file."""
+
+    histogram: HistogramView
+    """Of all frames of the experience."""
+    embeddings: ArrayLike
+    """float32 [frames][dim]; do not change it while the selector is in use."""
+
+
+class Match(NamedTuple):
+    """The nearest frame of the chosen experience."""
+
+    frame: int
+    """Index of the frame."""
+    distance_sq: float
+    """Squared Euclidean distance of the embeddings."""
+
+
+class Answer(NamedTuple):
+    """What a frame led to."""
+
+    selected: bool
+    """Whether an experience is chosen."""
+    newly_ranked: bool
+    """Whether this frame completed the warmup."""
+    restarted: bool
+    """Whether camera time ran backwards, so that the warmup began anew."""
+    match: Optional[Match]
+    """None if the frame was not localised."""
+
+
+class Selector:
+    """Chooses an experience from the first live frames, then localises every frame in it.
+
+    Frames and their times are arguments, so a replay gives the same answers at any speed.
+    """
+
+    def __init__(
+        self,
+        candidates: Sequence[Union[Experience, Candidate]],
+        *,
+        warmup_frames: SupportsIndex = 0,
+        warmup_us: SupportsIndex = 0,
+    ) -> None:
+        """
+        candidates: at least one, all of one shape, range and dim; not copied
+        warmup_frames: the first N accepted frames, or
+        warmup_us: the first T microseconds of camera time; exactly one of both is not 0
+        VdnaError: MISMATCH if the candidates do not compare, EMPTY or OVERFLOW as emd()
+        """
+        if not candidates:
+            raise ValueError("there is no candidate")
+        embeddings = [floats(c.embeddings, "embeddings") for c in candidates]
+        self._dim = shaped(embeddings[0], ("frames", "dim"), "embeddings").shape[1]
+        structs = (SelectCandidate * len(candidates))()
+        for candidate, values, out in zip(candidates, embeddings, structs):
+            shaped(values, ("frames", self._dim), "embeddings")
+            out.dna = view_of(candidate.histogram)
+            out.embeddings = values.ctypes.data
+            out.frames = integer(len(values), "the number of frames", 1, UINT32_MAX)
+
+        config = SelectConfig()
+        lib.vdna_select_config_init(config)
+        config.candidates = structs
+        config.candidate_count = len(structs)
+        config.dim = integer(self._dim, "dim", 1, UINT32_MAX)
+        config.warmup_frames = integer(warmup_frames, "warmup_frames", 0, UINT32_MAX)
+        config.warmup_us = integer(warmup_us, "warmup_us", 0, _INT64_MAX)
+        if (config.warmup_frames > 0) == (config.warmup_us > 0):
+            raise ValueError("give either warmup_frames or warmup_us")
+        memory = block(lib.vdna_select_mem_size(config))
+        self._select = Select()
+        lib.vdna_select_init(config, memory.ctypes.data, memory.nbytes, self._select)
+
+        # All that the library borrows.
+        self._owner: Any = (list(candidates), embeddings, structs, memory)
+        pointers = HistView()
+        lib.vdna_hist_view_of(self._select.live, pointers)
+        self._live = HistogramView._over(self._owner, pointers)
+
+    def feed(self, utime: SupportsIndex, embedding: ArrayLike, *taps: Tap) -> Answer:
+        """Take one live frame; nothing of it is kept.
+
+        utime: the camera's stamp in microseconds. One earlier than the newest of the warmup begins
+               the warmup anew with this frame
+        embedding: float32 [dim]
+        taps: as for Histogram.add()
+        VdnaError: MISMATCH or NONFINITE for a bad frame, which is counted as rejected; OVERFLOW or
+                   FULL if the window is too large to rank, in which case the warmup begins anew
+        """
+        values = shaped(floats(embedding, "embedding"), (self._dim,), "embedding")
+        activations = Taps(taps)
+        frame = SelectFrame(
+            integer(utime, "utime", -_INT64_MAX - 1, _INT64_MAX),
+            activations.array,
+            activations.count,
+            values.ctypes.data,
+        )
+        answer = SelectAnswer()
+        lib.vdna_select_feed(self._select, frame, answer)
+        match = Match(answer.match.index, answer.match.distance_sq) if answer.localised else None
+        return Answer(
+            answer.state == _SELECTED, answer.newly_ranked != 0, answer.restarted != 0, match
+        )
+
+    def reset(self) -> None:
+        """Forget the choice and the window, and warm up again. Counters stay."""
+        lib.vdna_select_reset(self._select)
+
+    @property
+    def selected(self) -> bool:
+        """Whether an experience is chosen; else the warmup goes on."""
+        return bool(self._select.state == _SELECTED)
+
+    @property
+    def progress(self) -> float:
+        """How far the warmup is: 0 to 1."""
+        return float(lib.vdna_select_progress(self._select))
+
+    @property
+    def chosen(self) -> Optional[int]:
+        """Index of the chosen candidate; None during the warmup."""
+        return int(self._select.chosen) if self.selected else None
+
+    @property
+    def ranking(self) -> Optional[List[RankEntry]]:
+        """All candidates, nearest first; None during the warmup."""
+        if not self.selected:
+            return None
+        return entries(self._select.ranking[: self._select.config.candidate_count])
+
+    @property
+    def margin_bins(self) -> Optional[float]:
+        """Distance of the second candidate less that of the first, 0 if there is but one; None
+        during the warmup."""
+        return float(self._select.margin_bins) if self.selected else None
+
+    @property
+    def live(self) -> HistogramView:
+        """The Visual DNA of the warmup window so far."""
+        return self._live
+
+    @property
+    def accepted(self) -> int:
+        """Frames taken since the selector was made."""
+        return int(self._select.accepted)
+
+    @property
+    def rejected(self) -> int:
+        """Frames refused since the selector was made."""
+        return int(self._select.rejected)
+
+    @property
+    def restarts(self) -> int:
+        """Warmups begun anew because camera time ran backwards."""
+        return int(self._select.restarts)

@@ -1,0 +1,179 @@
+"""Experience files and maps."""
+
+import gc
+
+import numpy as np
+import pytest
+from conftest import SHA256, small_experience
+
+from libvdna import Experience, Status, VdnaError, emd_mean, open_map
+
+ARRAYS = ["embeddings", "frame_utime", "frame_grey", "frame_place", "frame_position"]
+TEXTS = ["name", "backbone", "model_sha256", "preprocessing", "taps"]
+
+
+def is_mapped(path):
+    with open("/proc/self/maps") as maps:
+        return str(path) in maps.read()
+
+
+def test_what_is_written_is_read_again(tmp_path):
+    written = small_experience()
+    assert written.comparable is None
+    written.write(tmp_path / "winter.vdna")
+    read = Experience.open(tmp_path / "winter.vdna")
+    for name in TEXTS:
+        assert getattr(read, name) == getattr(written, name), name
+    for name in ARRAYS:
+        expected = getattr(written, name)
+        np.testing.assert_array_equal(getattr(read, name), expected, name)
+        assert getattr(read, name).dtype == expected.dtype, name
+    for name in ("range", "counts", "mass"):
+        np.testing.assert_array_equal(
+            getattr(read.histogram, name), getattr(written.histogram, name), name
+        )
+    assert (read.frames, read.dim) == (2, 5)
+    # As docs/SPEC-map.md has it for this very experience.
+    assert read.comparable == "33eb312321a71d537313127f48a50950d6620be9c61d9d81abd40b07496209eb"
+    assert emd_mean(read.histogram, written.histogram) == 0
+
+
+def test_labels_may_be_left_out(tmp_path):
+    small_experience(frame_place=None, frame_position=None).write(tmp_path / "winter.vdna")
+    read = Experience.open(tmp_path / "winter.vdna")
+    assert read.frame_place is None and read.frame_position is None
+
+
+def test_arrays_are_the_file_itself_and_keep_it_mapped(tmp_path):
+    path = tmp_path / "winter.vdna"
+    small_experience().write(path)
+    experience = Experience.open(path)
+    begin = experience._file.mapping
+    end = begin + experience._file.mapping_size
+    for name in ARRAYS:
+        assert begin <= getattr(experience, name).ctypes.data < end, name
+        with pytest.raises(ValueError):
+            getattr(experience, name)[0] = 0
+    histogram, place = experience.histogram, experience.frame_place[1:]
+    assert begin <= histogram.counts.ctypes.data < end
+
+    del experience
+    gc.collect()
+    assert is_mapped(path) and histogram.mass.tolist() == [8, 8, 2]
+    del histogram
+    gc.collect()
+    assert is_mapped(path) and place.tolist() == [18]
+    del place
+    gc.collect()
+    assert not is_mapped(path)
+
+
+def test_an_experience_to_write_keeps_its_arrays_alive(tmp_path):
+    experience = small_experience(embeddings=np.full((2, 200_000), 3, np.float32))
+    gc.collect()
+    others = [np.zeros((2, 200_000), np.float32) for _ in range(4)]
+    experience.write(tmp_path / "winter.vdna")
+    assert (Experience.open(tmp_path / "winter.vdna").embeddings == 3).all() and others
+
+
+def test_a_damaged_file_is_refused(tmp_path):
+    path = tmp_path / "winter.vdna"
+    small_experience().write(path)
+    content = bytearray(path.read_bytes())
+    content[-10] ^= 1
+    path.write_bytes(content)
+    with pytest.raises(VdnaError, match="CRC") as caught:
+        Experience.open(path)
+    assert caught.value.status is Status.CHECKSUM
+    path.write_bytes(b"")
+    with pytest.raises(VdnaError) as caught:
+        Experience.open(path)
+    assert caught.value.status is Status.FORMAT
+    assert not is_mapped(path)
+
+
+@pytest.mark.parametrize(
+    "changes, status",
+    [
+        ({"name": "a name"}, Status.ARG),
+        ({"model_sha256": "12"}, Status.ARG),
+        ({"preprocessing": "\u010d"}, Status.ARG),
+        ({"taps": "mid:2:4"}, Status.MISMATCH),
+        ({"frame_grey": [0, 256]}, Status.ARG),
+        ({"embeddings": [[np.nan], [0]]}, Status.NONFINITE),
+        ({"embeddings": np.empty((2, 0))}, Status.ARG),
+    ],
+)
+def test_what_breaks_the_rules_is_not_written(changes, status, tmp_path):
+    with pytest.raises(VdnaError, match="not written") as caught:
+        small_experience(**changes).write(tmp_path / "winter.vdna")
+    assert caught.value.status is status
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"name": "n" * 64},
+        {"name": "nul\0"},
+        {"taps": "t" * 512},
+        {"embeddings": [1, 2]},
+        {"frame_utime": [1]},
+        {"frame_grey": [1, 2, 3]},
+        {"frame_place": [1]},
+        {"frame_position": [[1, 2], [3, 4]]},
+    ],
+)
+def test_lengths_that_c_would_trust_are_checked(changes):
+    with pytest.raises(ValueError):
+        small_experience(**changes)
+
+
+def test_wrong_types_are_refused(tmp_path):
+    for changes in ({"frame_utime": [1.5, 2.5]}, {"histogram": None}, {"embeddings": "text"}):
+        with pytest.raises(TypeError):
+            small_experience(**changes)
+    with pytest.raises(TypeError):
+        small_experience().check_comparable("text")
+    with pytest.raises(TypeError):
+        Experience.open(1)
+    with pytest.raises(ValueError):
+        Experience.open("nul\0")
+    with pytest.raises(VdnaError):
+        small_experience().write(tmp_path / "no" / "winter.vdna")
+
+
+def test_what_does_not_compare_is_named():
+    small_experience().check_comparable(small_experience("summer"))
+    other = small_experience("summer", model_sha256=SHA256[::-1])
+    with pytest.raises(VdnaError, match="model_sha256") as caught:
+        small_experience().check_comparable(other)
+    assert caught.value.status is Status.MISMATCH
+
+
+def test_a_map_is_a_directory_of_experiences(tmp_path):
+    for name in ("winter", "autumn", "summer"):
+        small_experience(name).write(tmp_path / f"{name}.vdna")
+    (tmp_path / "notes.txt").write_text("not an experience")
+    experiences = open_map(tmp_path)
+    assert [e.name for e in experiences] == ["autumn", "summer", "winter"]
+    embeddings = experiences[1].embeddings
+    del experiences
+    gc.collect()
+    assert embeddings[0, 0] == 1
+    mapped = [is_mapped(tmp_path / f"{name}.vdna") for name in ("autumn", "summer", "winter")]
+    assert mapped == [False, True, False]
+
+
+def test_a_map_that_is_none_is_refused(tmp_path):
+    with pytest.raises(VdnaError) as caught:
+        open_map(tmp_path)
+    assert caught.value.status is Status.EMPTY
+    with pytest.raises(VdnaError) as caught:
+        open_map(tmp_path / "nowhere")
+    assert caught.value.status is Status.IO
+    small_experience().write(tmp_path / "a.vdna")
+    small_experience().write(tmp_path / "b.vdna")
+    with pytest.raises(VdnaError, match="both named winter"):
+        open_map(tmp_path)
+    assert not is_mapped(tmp_path)

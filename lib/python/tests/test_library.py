@@ -1,0 +1,102 @@
+"""What the package says of C agrees with C; errors carry status and text; the wheel is complete."""
+
+import ctypes
+import os
+import pathlib
+import pickle
+import re
+import subprocess
+
+import pytest
+
+import libvdna
+from libvdna import _library
+
+PACKAGE = pathlib.Path(libvdna.__file__).parent
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+
+STRUCTS = {
+    "vdna_error": _library.Error,
+    "vdna_activations": _library.Activations,
+    "vdna_hist_config": _library.HistConfig,
+    "vdna_hist": _library.Hist,
+    "vdna_hist_view": _library.HistView,
+    "vdna_rank_entry": _library.RankPlace,
+    "vdna_knn_match": _library.KnnMatch,
+    "vdna_select_candidate": _library.SelectCandidate,
+    "vdna_select_config": _library.SelectConfig,
+    "vdna_select_frame": _library.SelectFrame,
+    "vdna_select_answer": _library.SelectAnswer,
+    "vdna_select": _library.Select,
+    "vdna_experience": _library.ExperienceFile,
+}
+
+
+def layout_of(struct):
+    yield "", 0, ctypes.sizeof(struct)
+    for name, _ in struct._fields_:
+        yield name, getattr(struct, name).offset, getattr(struct, name).size
+
+
+def test_structs_lie_in_memory_as_the_c_compiler_lays_them():
+    program = os.environ.get("LIBVDNA_STRUCTS")
+    if program is None:
+        pytest.skip("LIBVDNA_STRUCTS, the program made from test/language/structs.c, is not set")
+    output = subprocess.run([program], capture_output=True, text=True, check=True).stdout
+    ours = {
+        f"{name}.{field}": (offset, size)
+        for name, struct in STRUCTS.items()
+        for field, offset, size in layout_of(struct)
+    }
+    theirs = {
+        name: (int(offset), int(size))
+        for name, offset, size in (line.split() for line in output.splitlines())
+    }
+    assert ours == theirs
+
+
+def test_status_codes_are_those_of_the_header():
+    header = (ROOT / "lib/include/vdna/status.h").read_text()
+    codes = {name: int(code) for name, code in re.findall(r"VDNA_(?:ERR_)?(\w+) = (\d+)", header)}
+    assert codes == {status.name: status.value for status in libvdna.Status}
+
+
+def test_an_error_says_the_status_and_the_text_of_the_library():
+    with pytest.raises(libvdna.VdnaError) as caught:
+        libvdna.Histogram([[1, 1]])
+    assert caught.value.status is libvdna.Status.ARG
+    assert str(caught.value) == "vdna_range_check: invalid argument"
+
+
+def test_an_error_says_the_sentence_of_the_library_where_it_has_one(tmp_path):
+    with pytest.raises(libvdna.VdnaError, match=r"nowhere\.vdna: cannot open") as caught:
+        libvdna.Experience.open(tmp_path / "nowhere.vdna")
+    assert caught.value.status is libvdna.Status.IO
+
+
+def test_an_error_survives_the_way_between_processes():
+    error = libvdna.VdnaError(libvdna.Status.FULL, "no more")
+    again = pickle.loads(pickle.dumps(error))
+    assert (again.status, str(again)) == (libvdna.Status.FULL, "no more")
+
+
+def test_the_version_is_that_of_the_project():
+    project = (ROOT / "CMakeLists.txt").read_text()
+    assert f"project(vdna VERSION {libvdna.__version__} " in project
+
+
+def test_the_library_needs_libc_only_and_shows_its_own_symbols_only():
+    library = str(PACKAGE / "libvdna.so")
+    dynamic = subprocess.run(["readelf", "-dW", library], capture_output=True, text=True).stdout
+    assert re.findall(r"NEEDED.*\[(.*)\]", dynamic) == ["libc.so.6"]
+    symbols = subprocess.run(
+        ["nm", "-D", "--defined-only", library], capture_output=True, text=True
+    )
+    names = [line.split()[-1] for line in symbols.stdout.splitlines()]
+    assert len(names) > 30
+    assert [name for name in names if not name.startswith("vdna_")] == []
+
+
+def test_the_wheel_has_its_types_and_licences():
+    for name in ("py.typed", "LICENSE"):
+        assert (PACKAGE / name).is_file(), name

@@ -1,0 +1,109 @@
+"""The selector."""
+
+import gc
+
+import numpy as np
+import pytest
+from conftest import histogram_of, small_experience
+
+from libvdna import Candidate, Experience, Match, RankEntry, Selector, Status, VdnaError, emd_mean
+
+
+@pytest.fixture
+def candidates(unit_range):
+    """Dark and bright; each has two frames, whose embeddings are the axes."""
+    return [
+        Candidate(histogram_of([[level] * 3] * 2, unit_range), np.eye(2, dtype=np.float32))
+        for level in (-0.9, 0.9)
+    ]
+
+
+BRIGHT = np.array([0.7, 0.7, 0.7], np.float32)
+
+
+def test_it_warms_up_chooses_and_localises(candidates, unit_range):
+    selector = Selector(candidates, warmup_frames=2)
+    assert (selector.selected, selector.chosen, selector.ranking) == (False, None, None)
+    assert (selector.progress, selector.margin_bins) == (0, None)
+
+    answer = selector.feed(0, [1, 0], BRIGHT)
+    assert answer == (False, False, False, None)
+    assert selector.progress == 0.5 and selector.live.mass.tolist() == [1, 1, 1]
+
+    answer = selector.feed(1000, [1, 0], BRIGHT)
+    assert answer.selected and answer.newly_ranked
+    live = histogram_of([BRIGHT, BRIGHT], unit_range)
+    distances = [emd_mean(live, candidate.histogram) for candidate in candidates]
+    assert selector.ranking == [
+        RankEntry(distances[1], 1, False),
+        RankEntry(distances[0], 0, False),
+    ]
+    assert selector.chosen == 1
+    assert selector.margin_bins == distances[0] - distances[1]
+
+    answer = selector.feed(2000, [0, 0.5], BRIGHT)
+    assert answer.match == Match(1, 0.25) and not answer.newly_ranked
+    assert (selector.accepted, selector.rejected, selector.restarts) == (3, 0, 0)
+
+    selector.reset()
+    assert not selector.selected and selector.ranking is None and selector.progress == 0
+
+
+def test_a_window_of_time_ends_with_the_first_frame_beyond_it(candidates):
+    selector = Selector(candidates, warmup_us=1_000_000)
+    assert not selector.feed(5, [0, 1], BRIGHT).selected
+    assert not selector.feed(1_000_004, [0, 1], BRIGHT).selected
+    assert selector.feed(1_000_005, [0, 1], BRIGHT).selected
+
+
+def test_time_that_runs_backwards_begins_anew(candidates):
+    selector = Selector(candidates, warmup_frames=3)
+    selector.feed(10, [0, 1], BRIGHT)
+    assert selector.feed(9, [0, 1], BRIGHT).restarted
+    assert selector.restarts == 1 and selector.live.mass.tolist() == [1, 1, 1]
+
+
+def test_a_refused_frame_is_counted_and_nothing_else(candidates):
+    selector = Selector(candidates, warmup_frames=2)
+    for bad in ([np.nan] * 3, [0, 0]):
+        with pytest.raises(VdnaError):
+            selector.feed(0, [0, 1], bad)
+    assert (selector.rejected, selector.accepted, selector.progress) == (2, 0, 0)
+    for embedding in ([0], [0, 0, 0], [[0, 0]]):
+        with pytest.raises(ValueError, match="embedding has the shape"):
+            selector.feed(0, embedding, BRIGHT)
+    with pytest.raises(ValueError, match="utime"):
+        selector.feed(2**63, [0, 1], BRIGHT)
+    assert selector.rejected == 2
+
+
+def test_a_selector_that_cannot_be_is_refused(candidates, unit_range):
+    for warmup in ({}, {"warmup_frames": 1, "warmup_us": 1}, {"warmup_frames": -1}):
+        with pytest.raises(ValueError):
+            Selector(candidates, **warmup)
+    with pytest.raises(ValueError):
+        Selector([], warmup_frames=1)
+    other = histogram_of([[0, 0, 0]], unit_range, 11)
+    with pytest.raises(VdnaError) as caught:
+        Selector([candidates[0], Candidate(other, [[0, 1]])], warmup_frames=1)
+    assert caught.value.status is Status.MISMATCH
+    dna = candidates[0].histogram
+    for embeddings in ([[0, 1, 2]], [0, 1], np.empty((0, 2)), np.empty((2, 0))):
+        with pytest.raises(ValueError):
+            Selector([candidates[0], Candidate(dna, embeddings)], warmup_frames=1)
+
+
+def test_it_keeps_its_experiences_open(tmp_path):
+    path = tmp_path / "winter.vdna"
+    small_experience().write(path)
+    selector = Selector([Experience.open(path)], warmup_frames=1)
+    gc.collect()
+    taps = [np.zeros((4, 2)), [0]]
+    selector.feed(0, [0, 0.5, -0.5, 0.5, -0.5], *taps)
+    answer = selector.feed(1, [0, 0.5, -0.5, 0.5, -0.5], *taps)
+    assert answer.match == Match(1, 0.0)
+    assert str(path) in open("/proc/self/maps").read()
+    live = selector.live
+    del selector
+    gc.collect()
+    assert live.counts.sum() == 9

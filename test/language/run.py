@@ -1,0 +1,160 @@
+"""Tests the library from another language; CMakeLists.txt beside this file has the calls.
+
+    run.py wheel             build and install the Python wheel, run its tests
+    run.py wheel_types       the same, check its types
+    run.py python            the same, run apps/examples/python
+    run.py rank_c PROGRAM    run what was made from apps/examples/rank.c
+    run.py rank_rust CARGO   build apps/examples/rust and run it; so for rank_go and rank_java
+
+All that is made goes to $VDNA_WORK and is used again. Exit code 77 = skipped: a tool is missing, or
+a package is not yet here and there is no network.
+"""
+
+import hashlib
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+
+SOURCE = pathlib.Path(os.environ["VDNA_SOURCE"])
+LIBRARY = pathlib.Path(os.environ["VDNA_LIBRARY"]).parent
+WORK = pathlib.Path(os.environ["VDNA_WORK"])
+EXAMPLES = SOURCE / "apps/examples"
+WHEEL = SOURCE / "lib/python"
+
+# What package managers say when they cannot reach their registry.
+OFFLINE = re.compile(
+    "NewConnectionError|Name or service not known|Temporary failure in name resolution"
+    "|Network is unreachable|ConnectTimeout|Unknown host|Connect timed out|Connection refused"
+)
+
+
+def skip(reason):
+    print("skipped:", reason)
+    sys.exit(77)
+
+
+def run(*command, fetches=False, **options):
+    """Run a command to its end and give what it printed; its failure is ours."""
+    command = [str(part) for part in command]
+    done = subprocess.run(
+        command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False, **options
+    )
+    if done.returncode == 0:
+        return done.stdout
+    print(f"{' '.join(command)}\nexited with {done.returncode}\n{done.stdout}{done.stderr}")
+    if fetches and OFFLINE.search(done.stdout + done.stderr):
+        skip("a package is missing, and its registry cannot be reached")
+    sys.exit(1)
+
+
+def copy_of(example):
+    """The example in $VDNA_WORK: some tools write beside their sources."""
+    return shutil.copytree(EXAMPLES / example, WORK / example, dirs_exist_ok=True)
+
+
+def require_tool(path, name):
+    if path.endswith("-NOTFOUND"):
+        skip(f"there is no {name}")
+
+
+def check_rank(output):
+    expected = (EXAMPLES / "rank.txt").read_text()
+    if output != expected:
+        sys.exit(f"printed\n{output}\nexpected, from apps/examples/rank.txt,\n{expected}")
+
+
+def with_library(**more):
+    """The environment for a program that uses the library where it was built."""
+    return {**os.environ, "LD_LIBRARY_PATH": str(LIBRARY), **more}
+
+
+def rank_c(program):
+    check_rank(run(program))
+
+
+def rank_rust(cargo):
+    require_tool(cargo, "cargo")
+    environment = with_library(RUSTFLAGS=f"-D warnings -L {LIBRARY}")
+    check_rank(run(cargo, "run", "--quiet", "--offline", cwd=copy_of("rust"), env=environment))
+
+
+def rank_go(go):
+    require_tool(go, "go")
+    flags = {"CGO_CFLAGS": f"-I{SOURCE}/lib/include", "CGO_LDFLAGS": f"-L{LIBRARY}"}
+    check_rank(run(go, "run", ".", cwd=copy_of("go"), env=with_library(**flags)))
+
+
+def rank_java(maven):
+    require_tool(maven, "mvn")
+    goals = ["--quiet", "--batch-mode", "compile", "exec:java", f"-Djna.library.path={LIBRARY}"]
+    folder = copy_of("java")
+    # Offline first: Maven asks its registry again even for what is here.
+    offline = subprocess.run(
+        [maven, "--offline", *goals], cwd=folder, text=True, capture_output=True, check=False
+    )
+    if offline.returncode == 0:
+        output = offline.stdout
+    else:
+        output = run(maven, *goals, cwd=folder, fetches=True)
+    # Maven resets the colours of a terminal even where there is none.
+    check_rank(re.sub(r"\x1b\[\w*m", "", output))
+
+
+def environment():
+    """A virtual environment with what building and testing the wheel needs; made once."""
+    with open(WHEEL / "pyproject.toml", "rb") as file:
+        project = tomllib.load(file)
+    packages = [*project["build-system"]["requires"], *project["project"]["dependencies"]]
+    packages += ["pytest", "mypy"]
+    folder = WORK / "environment"
+    stamp = folder / hashlib.sha256(" ".join(packages).encode()).hexdigest()
+    if not stamp.exists():
+        made = subprocess.run(
+            [sys.executable, "-m", "venv", "--clear", folder],
+            text=True,
+            capture_output=True,
+            check=False,
+        )
+        if made.returncode != 0:
+            skip(
+                f"cannot make a virtual environment; on Debian, install python3-venv\n{made.stdout}"
+            )
+        run(folder / "bin/pip", "install", "--quiet", *packages, fetches=True)
+        stamp.touch()
+    return folder / "bin"
+
+
+def install_wheel():
+    bin_folder = environment()
+    wheels = WORK / "wheels"
+    shutil.rmtree(wheels, ignore_errors=True)
+    run(
+        *(bin_folder / "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation"),
+        *("--config-settings", f"build-dir={WORK / 'wheel-build'}"),
+        *("--wheel-dir", wheels, WHEEL),
+    )
+    (made,) = wheels.iterdir()
+    run(bin_folder / "pip", "install", "--quiet", "--no-deps", "--force-reinstall", made)
+    return bin_folder
+
+
+def wheel():
+    bin_folder = install_wheel()
+    print(run(bin_folder / "pytest", "-q", "-p", "no:cacheprovider", WHEEL / "tests", cwd=WORK))
+
+
+def wheel_types():
+    bin_folder = install_wheel()
+    run(bin_folder / "mypy", "--strict", "--package", "libvdna", cwd=WORK)
+
+
+def python():
+    check_rank(run(install_wheel() / "python", EXAMPLES / "python/rank.py", cwd=WORK))
+
+
+if __name__ == "__main__":
+    globals()[sys.argv[1]](*sys.argv[2:])

@@ -1,0 +1,133 @@
+/* Prints where the C compiler lays each field of the public structs: NAME.FIELD OFFSET SIZE. The
+ * Python package writes them down a second time, and its tests compare. */
+#include <stddef.h>
+#include <stdio.h>
+#include <vdna/map.h>
+#include <vdna/vdna.h>
+
+#define STRUCT(type) printf(#type ". 0 %zu\n", sizeof(type))
+#define FIELD(type, name) \
+    printf(#type "." #name " %zu %zu\n", offsetof(type, name), sizeof(((type *)0)->name))
+
+static void print_core(void)
+{
+    STRUCT(vdna_error);
+    FIELD(vdna_error, text);
+
+    STRUCT(vdna_activations);
+    FIELD(vdna_activations, values);
+    FIELD(vdna_activations, neurons);
+    FIELD(vdna_activations, samples);
+    FIELD(vdna_activations, layout);
+
+    STRUCT(vdna_hist_config);
+    FIELD(vdna_hist_config, struct_size);
+    FIELD(vdna_hist_config, neurons);
+    FIELD(vdna_hist_config, bins);
+    FIELD(vdna_hist_config, range);
+
+    STRUCT(vdna_hist);
+    FIELD(vdna_hist, range);
+    FIELD(vdna_hist, counts);
+    FIELD(vdna_hist, mass);
+    FIELD(vdna_hist, saturated);
+    FIELD(vdna_hist, neurons);
+    FIELD(vdna_hist, bins);
+    FIELD(vdna_hist, frames);
+
+    STRUCT(vdna_hist_view);
+    FIELD(vdna_hist_view, range);
+    FIELD(vdna_hist_view, counts);
+    FIELD(vdna_hist_view, mass);
+    FIELD(vdna_hist_view, neurons);
+    FIELD(vdna_hist_view, bins);
+
+    STRUCT(vdna_rank_entry);
+    FIELD(vdna_rank_entry, distance_bins);
+    FIELD(vdna_rank_entry, candidate);
+    FIELD(vdna_rank_entry, tied);
+
+    STRUCT(vdna_knn_match);
+    FIELD(vdna_knn_match, distance_sq);
+    FIELD(vdna_knn_match, index);
+    FIELD(vdna_knn_match, reserved);
+}
+
+static void print_select(void)
+{
+    STRUCT(vdna_select_candidate);
+    FIELD(vdna_select_candidate, dna);
+    FIELD(vdna_select_candidate, embeddings);
+    FIELD(vdna_select_candidate, frames);
+    FIELD(vdna_select_candidate, reserved);
+
+    STRUCT(vdna_select_config);
+    FIELD(vdna_select_config, struct_size);
+    FIELD(vdna_select_config, candidate_count);
+    FIELD(vdna_select_config, candidates);
+    FIELD(vdna_select_config, dim);
+    FIELD(vdna_select_config, warmup_frames);
+    FIELD(vdna_select_config, warmup_us);
+
+    STRUCT(vdna_select_frame);
+    FIELD(vdna_select_frame, utime);
+    FIELD(vdna_select_frame, taps);
+    FIELD(vdna_select_frame, tap_count);
+    FIELD(vdna_select_frame, embedding);
+
+    STRUCT(vdna_select_answer);
+    FIELD(vdna_select_answer, state);
+    FIELD(vdna_select_answer, newly_ranked);
+    FIELD(vdna_select_answer, restarted);
+    FIELD(vdna_select_answer, localised);
+    FIELD(vdna_select_answer, match);
+
+    STRUCT(vdna_select);
+    FIELD(vdna_select, config);
+    FIELD(vdna_select, live);
+    FIELD(vdna_select, views);
+    FIELD(vdna_select, ranking);
+    FIELD(vdna_select, scratch);
+    FIELD(vdna_select, scratch_size);
+    FIELD(vdna_select, first_utime);
+    FIELD(vdna_select, last_utime);
+    FIELD(vdna_select, state);
+    FIELD(vdna_select, chosen);
+    FIELD(vdna_select, margin_bins);
+    FIELD(vdna_select, accepted);
+    FIELD(vdna_select, rejected);
+    FIELD(vdna_select, restarts);
+}
+
+static void print_map(void)
+{
+    STRUCT(vdna_experience);
+    FIELD(vdna_experience, name);
+    FIELD(vdna_experience, backbone);
+    FIELD(vdna_experience, model_sha256);
+    FIELD(vdna_experience, preprocessing);
+    FIELD(vdna_experience, taps);
+    FIELD(vdna_experience, comparable);
+    FIELD(vdna_experience, neurons);
+    FIELD(vdna_experience, bins);
+    FIELD(vdna_experience, frames);
+    FIELD(vdna_experience, dim);
+    FIELD(vdna_experience, range);
+    FIELD(vdna_experience, counts);
+    FIELD(vdna_experience, mass);
+    FIELD(vdna_experience, embeddings);
+    FIELD(vdna_experience, frame_utime);
+    FIELD(vdna_experience, frame_place);
+    FIELD(vdna_experience, frame_position);
+    FIELD(vdna_experience, frame_grey);
+    FIELD(vdna_experience, mapping);
+    FIELD(vdna_experience, mapping_size);
+}
+
+int main(void)
+{
+    print_core();
+    print_select();
+    print_map();
+    return 0;
+}
