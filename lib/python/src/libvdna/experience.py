@@ -190,7 +190,7 @@ class Experience:
 
     @property
     def taps(self) -> str:
-        """ "NAME:NEURONS:SAMPLES[,...]" in the order of the histogram's neurons."""
+        """NAME:NEURONS:SAMPLES[,...] in the order of the histogram's neurons."""
         return str(self._file.taps.decode())
 
     @property
