@@ -56,7 +56,9 @@ _EXTRACTION_SETTINGS = {
 class ReferenceVdna:
     """A histogram VDNA as the reference package loads and saves it.
 
-    To write a Histogram: ReferenceVdna({"layer": 768}, histogram, histogram.frames, "net").save(path)
+    To write a Histogram:
+
+        ReferenceVdna({"block_11": 768}, histogram, histogram.frames, "net").save(path)
     """
 
     layers: Dict[str, int]
