@@ -355,6 +355,37 @@ static void histograms_of_other_ranges_or_shapes_do_not_merge(void **state)
     assert_int_equal(vdna_hist_merge(&a, NULL), VDNA_ERR_ARG);
 }
 
+static void histograms_compare_if_shape_and_range_agree_and_no_neuron_is_empty(void **state)
+{
+    (void)state;
+    const float same_ranges[2 * NEURONS] = {-1, 1, 0, 20}, others[2 * NEURONS] = {-1, 1, 0, 21};
+    uint32_t mem_a[WORDS], mem_b[WORDS];
+    vdna_hist a = small_hist(mem_a), b = small_hist(mem_b);
+    add_pair(&a, 0, 1);
+    vdna_hist_view p, q;
+    vdna_hist_view_of(&a, &p);
+    vdna_hist_view_of(&b, &q);
+    assert_int_equal(vdna_hist_view_check_pair(&p, &p), VDNA_OK);
+    assert_int_equal(vdna_hist_view_check_pair(&p, &q), VDNA_ERR_EMPTY);
+    assert_int_equal(vdna_hist_view_check_pair(&q, &p), VDNA_ERR_EMPTY);
+    add_pair(&b, 1, 0);
+    q.range = same_ranges;
+    assert_int_equal(vdna_hist_view_check_pair(&p, &q), VDNA_OK);
+    q.range = others;
+    assert_int_equal(vdna_hist_view_check_pair(&p, &q), VDNA_ERR_MISMATCH);
+    q = p;
+    q.bins = BINS - 1;
+    assert_int_equal(vdna_hist_view_check_pair(&p, &q), VDNA_ERR_MISMATCH);
+    q = p;
+    q.neurons = 0;
+    assert_int_equal(vdna_hist_view_check_pair(&p, &q), VDNA_ERR_ARG);
+    q = p;
+    q.bins = VDNA_HIST_BINS_MAX + 1;
+    assert_int_equal(vdna_hist_view_check_pair(&q, &p), VDNA_ERR_ARG);
+    assert_int_equal(vdna_hist_view_check_pair(&p, NULL), VDNA_ERR_ARG);
+    assert_int_equal(vdna_hist_view_check_pair(NULL, &p), VDNA_ERR_ARG);
+}
+
 static void the_block_may_not_be_a_byte_too_small_nor_misaligned(void **state)
 {
     (void)state;
@@ -426,6 +457,7 @@ int main(void)
         cmocka_unit_test(subtracting_what_was_never_added_changes_nothing),
         cmocka_unit_test(merging_past_the_largest_mass_is_refused),
         cmocka_unit_test(histograms_of_other_ranges_or_shapes_do_not_merge),
+        cmocka_unit_test(histograms_compare_if_shape_and_range_agree_and_no_neuron_is_empty),
         cmocka_unit_test(the_block_may_not_be_a_byte_too_small_nor_misaligned),
         cmocka_unit_test(bad_shapes_have_no_size),
         cmocka_unit_test(a_range_without_width_is_refused),
