@@ -122,38 +122,67 @@ uint64_t sum_bytes(const void *data, size_t size)
     return sum;
 }
 
+// Random activations of one tap, and a range that holds them.
+struct RandomTap {
+    std::vector<float> values, range;
+    vdna_activations tap{};
+
+    RandomTap(uint32_t neurons, uint32_t samples) : values(size_t(neurons) * samples)
+    {
+        std::mt19937 random(1);
+        std::normal_distribution<float> normal;
+        for (float &v : values)
+            v = normal(random);
+        for (uint32_t n = 0; n < neurons; n++)
+            range.insert(range.end(), {-4.f, 4.f});
+        tap = {values.data(), neurons, samples, VDNA_LAYOUT_SAMPLES_NEURONS};
+    }
+};
+
+// Counting, and counting in a full window, where each frame also takes one out.
 void bench_hist(uint32_t neurons, uint32_t samples)
 {
-    std::mt19937 random(1);
-    std::normal_distribution<float> normal;
-    std::vector<float> values(size_t(neurons) * samples), range;
-    for (float &v : values)
-        v = normal(random);
-    for (uint32_t n = 0; n < neurons; n++)
-        range.insert(range.end(), {-4.f, 4.f});
-
+    const RandomTap random(neurons, samples);
     vdna_hist_config config;
     vdna_hist_config_init(&config);
     config.neurons = neurons;
-    config.range = range.data();
+    config.range = random.range.data();
     std::vector<uint32_t> mem(vdna_hist_mem_size(&config) / sizeof(uint32_t));
     vdna_hist hist;
     vdna_hist_init(&config, mem.data(), mem.size() * sizeof(uint32_t), &hist);
-    const vdna_activations tap = {values.data(), neurons, samples, VDNA_LAYOUT_SAMPLES_NEURONS};
 
-    const int frames = int(std::max<size_t>(1, 400000 / values.size()));
+    vdna_window_config window_config;
+    vdna_window_config_init(&window_config);
+    window_config.capacity = 4;
+    window_config.taps = &random.tap;
+    window_config.tap_count = 1;
+    window_config.range = random.range.data();
+    std::vector<int64_t> window_mem(vdna_window_mem_size(&window_config) / sizeof(int64_t) + 1);
+    vdna_window window;
+    vdna_window_init(&window_config, window_mem.data(), window_mem.size() * sizeof(int64_t),
+                     &window);
+
+    const size_t size = random.values.size();
+    const int frames = int(std::max<size_t>(1, 400000 / size));
+    const auto count = [&] {
+        for (int i = 0; i < frames; i++)
+            vdna_hist_add(&hist, &random.tap, 1);
+    };
     char name[64];
     std::snprintf(name, sizeof name, "count %u neurons x %u samples", neurons, samples);
+    compare(name, "reading the activations", 31, 1e9 / double(size) / frames, "ns/activation",
+            count, [&] {
+                for (int i = 0; i < frames; i++)
+                    sink = double(sum_bytes(random.values.data(), size * sizeof(float)));
+            });
+    std::snprintf(name, sizeof name, "window %u neurons x %u samples", neurons, samples);
     compare(
-        name, "reading the activations", 31, 1e9 / double(values.size()) / frames, "ns/activation",
+        name, "counting alone", 31, 1e9 / double(size) / frames, "ns/activation",
         [&] {
             for (int i = 0; i < frames; i++)
-                vdna_hist_add(&hist, &tap, 1);
+                vdna_window_add(&window, 0, &random.tap, 1);
         },
-        [&] {
-            for (int i = 0; i < frames; i++)
-                sink = double(sum_bytes(values.data(), values.size() * sizeof(float)));
-        });
+        count);
 }
 
 void bench_emd(uint32_t neurons)
