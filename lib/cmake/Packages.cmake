@@ -41,7 +41,7 @@ if(VDNA_APPS)
   set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME vdna)
   set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION science)
   set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION
-    "${about} the command and the daemon, ONNX Runtime and two pretrained networks.")
+    "${about} the command and the daemon, ONNX Runtime and two\npretrained networks.")
 endif()
 
 # write a compressed file as Debian wants it, without a time stamp
