@@ -46,7 +46,8 @@ endif()
 
 # write a compressed file as Debian wants it, without a time stamp
 function(vdna_compress from to)
-  execute_process(COMMAND "${VDNA_GZIP}" -9nc "${from}" OUTPUT_FILE "${to}" COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND "${VDNA_GZIP}" -9nc "${from}" OUTPUT_FILE "${to}"
+    COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
 # The changelog and the licences of each package.
