@@ -56,7 +56,9 @@ def find_package(scratch):
 
 
 def subdirectory(scratch):
-    programs = build_with_cmake(scratch, f"-DVDNA_SOURCE={ROOT}")
+    programs = build_with_cmake(scratch, f"-DVDNA_SOURCE={ROOT}", "-DBUILD_SHARED_LIBS=ON")
+    shared = {path.name for path in scratch.glob("build/**/*.so")}
+    assert shared == {"libvdna.so"}, f"{shared}: a part of libvdna is a library of its own"
     installed = output_of(CMAKE, "--install", scratch / "build", "--prefix", scratch / "none")
     assert "vdna" not in installed, "a part of another project installs nothing of itself"
     return programs

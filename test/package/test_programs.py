@@ -1,5 +1,5 @@
-"""The installed programs work where they were moved to, with what was installed beside them, and the
-manual pages and the unit of the service fit them.
+"""The installed programs work where they were moved to, with what was installed beside them, and
+the manual pages and the unit of the service fit them.
 """
 
 import os
