@@ -27,11 +27,11 @@ static uint32_t bin_of(const vdna_hist *hist, uint32_t slot)
  * does not make the bin certain, because an edge is near or the value beyond the range, the slot is
  * UNSURE and the definition decides. */
 #define UNSURE UINT32_MAX
-enum { LANES = 32 }; /* few enough for a microcontroller's stack */
+enum { AT_A_TIME = 32 }; /* few enough for a microcontroller's stack */
 
 /* The line from a value to its place among the bins, for the neuron of each lane. */
 typedef struct lines {
-    float lo[LANES], scale[LANES];
+    float lo[AT_A_TIME], scale[AT_A_TIME];
 } lines;
 
 /* Put the line of one neuron into a lane. Where the width or the scale leaves the floats, the
@@ -85,7 +85,7 @@ static void count_values(vdna_hist *hist, size_t neuron, size_t step, const floa
 static void count_run(vdna_hist *hist, const lines *l, size_t neuron, size_t step,
                       const float *values, size_t count, uint16_t *out_slots)
 {
-    uint32_t slots[LANES];
+    uint32_t slots[AT_A_TIME];
     estimate_slots(l, hist->bins, values, count, slots);
     count_values(hist, neuron, step, values, count, slots);
     if (out_slots)
@@ -99,8 +99,8 @@ static void count_tokens(vdna_hist *hist, size_t first, const vdna_activations *
 {
     const size_t neurons = tap->neurons;
     lines l;
-    for (size_t n = 0; n < neurons; n += LANES) {
-        const size_t count = neurons - n < LANES ? neurons - n : LANES;
+    for (size_t n = 0; n < neurons; n += AT_A_TIME) {
+        const size_t count = neurons - n < AT_A_TIME ? neurons - n : AT_A_TIME;
         for (size_t i = 0; i < count; i++)
             draw_line(hist, first + n + i, &l, i);
         for (size_t i = n; i < neurons * tap->samples; i += neurons) {
@@ -117,10 +117,10 @@ static void count_map(vdna_hist *hist, size_t first, const vdna_activations *tap
     const size_t samples = tap->samples;
     lines l;
     for (size_t n = 0; n < tap->neurons; n++) {
-        for (size_t i = 0; i < LANES; i++)
+        for (size_t i = 0; i < AT_A_TIME; i++)
             draw_line(hist, first + n, &l, i);
-        for (size_t i = n * samples; i < (n + 1) * samples; i += LANES) {
-            const size_t left = (n + 1) * samples - i, count = left < LANES ? left : LANES;
+        for (size_t i = n * samples; i < (n + 1) * samples; i += AT_A_TIME) {
+            const size_t left = (n + 1) * samples - i, count = left < AT_A_TIME ? left : AT_A_TIME;
             count_run(hist, &l, first + n, 0, tap->values + i, count,
                       out_slots ? out_slots + i : NULL);
         }
