@@ -17,6 +17,7 @@ struct vdna_transport {
 
     /* What the poll under way has found. */
     uint32_t events;
+    uint64_t unanswered;        /* frames that came and were not handed out, since one was */
     vdna_transport_frame frame; /* its picture is in `picture` */
     uint8_t *picture;
     size_t picture_size; /* bytes allocated */

@@ -101,7 +101,8 @@ static void a_frame_comes_with_all_its_fields(void **state)
 
     const vdna_transport_frame frame = poll_frame(*state);
     assert_int_equal(frame.utime, 123);
-    assert_in_range(frame.received_us, before_us, monotonic_us());
+    /* LCM's stamp is of another clock, in whole microseconds. */
+    assert_in_range(frame.received_us, before_us - 1, monotonic_us());
     assert_int_equal(frame.image.width, 2);
     assert_int_equal(frame.image.height, 2);
     assert_int_equal(frame.image.row_stride, 8);
@@ -129,8 +130,23 @@ static void of_several_frames_the_newest_is_kept_and_the_others_are_skipped(void
     const vdna_transport_frame frame = poll_frame(*state);
     assert_int_equal(frame.utime, 3);
     assert_int_equal(frame.image.data[0], 3);
+    assert_int_equal(frame.skipped, 2);
     assert_int_equal(vdna_transport_count(*state)->received, 3);
     assert_int_equal(vdna_transport_count(*state)->skipped, 2);
+    assert_int_equal(vdna_transport_count(*state)->backlog_max, 3);
+
+    send_picture(*state, 4, 10);
+    assert_int_equal(poll_frame(*state).skipped, 0);
+    assert_int_equal(vdna_transport_count(*state)->backlog_max, 3);
+}
+
+static void the_time_in_the_queue_of_lcm_is_part_of_a_frames_age(void **state)
+{
+    const int64_t before_us = monotonic_us();
+    send_picture(*state, 1, 10);
+    const int64_t sent_us = monotonic_us();
+    nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
+    assert_in_range(poll_frame(*state).received_us, before_us - 1, sent_us);
 }
 
 static void a_frame_is_handed_out_once_and_then_is_not_skipped(void **state)
@@ -155,14 +171,26 @@ static void a_malformed_frame_is_rejected_and_the_frame_before_it_kept(void **st
     assert_int_equal(vdna_transport_count(*state)->rejected, 2);
 }
 
-static void a_picture_of_the_largest_size_is_taken_and_one_byte_more_rejected(void **state)
+static void a_picture_of_the_largest_size_is_taken_and_one_byte_more_is_oversized(void **state)
 {
     send_picture(*state, 1, MAX_IMAGE_BYTES);
     send_picture(*state, 2, MAX_IMAGE_BYTES + 1);
     const vdna_transport_frame frame = poll_frame(*state);
     assert_int_equal(frame.utime, 1);
     assert_int_equal(frame.image.size, MAX_IMAGE_BYTES);
-    assert_int_equal(vdna_transport_count(*state)->rejected, 1);
+    assert_int_equal(frame.skipped, 1);
+    assert_int_equal(vdna_transport_count(*state)->received, 2);
+    assert_int_equal(vdna_transport_count(*state)->oversized, 1);
+    assert_int_equal(vdna_transport_count(*state)->rejected, 0);
+    assert_int_equal(vdna_transport_count(*state)->picture_bytes_max, MAX_IMAGE_BYTES + 1);
+}
+
+static void what_was_oversized_is_told_with_the_next_frame(void **state)
+{
+    send_picture(*state, 1, MAX_IMAGE_BYTES + 1);
+    assert_int_equal(poll_events(*state, 0), 0);
+    send_picture(*state, 2, 10);
+    assert_int_equal(poll_frame(*state).skipped, 1);
 }
 
 static void a_reset_is_an_event_of_its_own(void **state)
@@ -386,6 +414,7 @@ static void a_published_localisation_passes_the_check_and_decodes_to_itself(void
     assert_true(answer.distance == 0.125);
     assert_true(answer.predicted_recall == 0.5);
     assert_int_equal(answer.latency_us, 20000);
+    assert_int_equal(answer.skipped, 3);
     vdna_msg_localisation_t_decode_cleanup(&answer);
 }
 
@@ -408,7 +437,11 @@ static void a_published_status_passes_the_check_and_decodes_to_itself(void **sta
     assert_string_equal(status.backbone, "lite0");
     assert_string_equal(status.version, "0.1.0");
     assert_int_equal(status.received, 100);
+    assert_int_equal(status.oversized, 1);
+    assert_memory_equal(&status.inference, &sample_status.inference, sizeof status.inference);
+    assert_memory_equal(&status.total, &sample_status.total, sizeof status.total);
     assert_int_equal(status.resident_bytes, 50000000);
+    assert_int_equal(status.backlog_max, 5);
     assert_string_equal(status.message, "");
     vdna_msg_status_t_decode_cleanup(&status);
 }
@@ -567,7 +600,9 @@ int main(void)
         ON_MEMQ(of_several_frames_the_newest_is_kept_and_the_others_are_skipped),
         ON_MEMQ(a_frame_is_handed_out_once_and_then_is_not_skipped),
         ON_MEMQ(a_malformed_frame_is_rejected_and_the_frame_before_it_kept),
-        ON_MEMQ(a_picture_of_the_largest_size_is_taken_and_one_byte_more_rejected),
+        ON_MEMQ(a_picture_of_the_largest_size_is_taken_and_one_byte_more_is_oversized),
+        ON_MEMQ(what_was_oversized_is_told_with_the_next_frame),
+        ON_MEMQ(the_time_in_the_queue_of_lcm_is_part_of_a_frames_age),
         ON_MEMQ(a_reset_is_an_event_of_its_own),
         ON_MEMQ(an_unknown_command_is_counted_and_ignored),
         ON_MEMQ(a_malformed_command_is_rejected),

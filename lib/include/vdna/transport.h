@@ -43,15 +43,22 @@ typedef struct vdna_transport_config {
 typedef struct vdna_transport_frame {
     vdna_image image;
     int64_t utime;       /**< the camera's stamp in microseconds */
-    int64_t received_us; /**< CLOCK_MONOTONIC when it was taken from the socket */
+    int64_t received_us; /**< CLOCK_MONOTONIC when LCM took it off the socket; for logs, when it
+                              was read */
+    uint64_t skipped; /**< frames that were skipped or oversized since the one handed out before */
 } vdna_transport_frame;
 
 /** What has come in since the transport was opened. */
 typedef struct vdna_transport_counters {
-    uint64_t received; /**< well-formed camera messages */
-    uint64_t skipped;  /**< of those, replaced by a newer one before they were asked for */
-    uint64_t rejected; /**< messages on our channels that break their format or are too large */
-    uint64_t commands; /**< well-formed command messages */
+    uint64_t received;          /**< well-formed camera messages */
+    uint64_t skipped;           /**< of those, replaced by a newer one before they were asked for */
+    uint64_t oversized;         /**< of those, their picture is larger than max_image_bytes */
+    uint64_t rejected;          /**< messages on our channels that break their format */
+    uint64_t commands;          /**< well-formed command messages */
+    uint64_t picture_bytes_max; /**< largest picture in a well-formed camera message */
+    uint32_t backlog_max; /**< most messages found waiting by one poll; LCM queues 30 a channel
+                               and then drops the newest, uncounted */
+    uint32_t reserved;    /**< 0 */
 } vdna_transport_counters;
 
 /** What vdna_transport_poll() found; bits. */
@@ -120,7 +127,7 @@ VDNA_API vdna_status vdna_transport_check_command(const void *data, size_t size)
 
 /** Read a camera message in place. Sides must not be negative, and there must be a pixel format;
  *  whether the picture has as many bytes as they ask for is for its decoder to judge.
- *  @param out_frame  image.data points into `data`; received_us is 0
+ *  @param out_frame  image.data points into `data`; received_us and skipped are 0
  *  @return VDNA_OK; VDNA_ERR_FORMAT */
 VDNA_API vdna_status vdna_transport_parse_image(const void *data, size_t size,
                                                 vdna_transport_frame *out_frame);
