@@ -27,6 +27,10 @@ struct vdna_transport {
     size_t message_size; /* bytes allocated */
 };
 
+/* Room for an encoded message. The block only ever grows, so that messages of like size are
+ * published without an allocation. */
+vdna_status vdna_transport_reserve(vdna_transport *transport, size_t size);
+
 /* Subscribe to the camera and command channels that are used. */
 vdna_status vdna_transport_subscribe(vdna_transport *transport, vdna_error *error);
 

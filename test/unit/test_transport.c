@@ -547,9 +547,49 @@ static void a_bad_configuration_is_refused(void **state)
     config.max_image_bytes = LCM_MAX_MESSAGE_SIZE + 1;
     assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
     config = memq_config();
+    config.max_message_bytes = LCM_MAX_MESSAGE_SIZE + 1;
+    assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
+    config = memq_config();
     config.struct_size--;
     assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
     assert_null(transport);
+
+    vdna_transport_memory memory;
+    assert_int_equal(vdna_transport_memory_of(&config, &memory), VDNA_ERR_ARG);
+}
+
+static void the_memory_that_is_stated_follows_the_configuration(void **state)
+{
+    (void)state;
+    vdna_transport_config config = memq_config();
+    vdna_transport_memory small, large;
+    assert_int_equal(vdna_transport_memory_of(&config, &small), VDNA_OK);
+    assert_int_equal(small.own_bytes, sizeof(vdna_transport) + MAX_IMAGE_BYTES);
+
+    config.max_image_bytes += 1000;
+    config.max_message_bytes = 500;
+    assert_int_equal(vdna_transport_memory_of(&config, &large), VDNA_OK);
+    assert_int_equal(large.own_bytes, small.own_bytes + 1000 + 500);
+    /* 30 in the queue, one that is handled, one half received */
+    assert_int_equal(large.lcm_bytes, small.lcm_bytes + 32 * 1000);
+
+    config.camera_channel = NULL;
+    assert_int_equal(vdna_transport_memory_of(&config, &large), VDNA_OK);
+    assert_int_equal(large.own_bytes, sizeof(vdna_transport) + 500);
+    assert_true(large.lcm_bytes < small.lcm_bytes);
+}
+
+static void the_room_for_messages_is_there_from_the_start(void **state)
+{
+    (void)state;
+    vdna_transport_config config = memq_config();
+    config.max_message_bytes = 1000;
+    vdna_transport *transport = open_with(&config);
+    const uint8_t *message = transport->message;
+    assert_int_equal(transport->message_size, 1000);
+    assert_int_equal(vdna_transport_publish_ranking(transport, &sample_ranking), VDNA_OK);
+    assert_ptr_equal(transport->message, message);
+    vdna_transport_close(transport);
 }
 
 // --- logs ---
@@ -623,6 +663,8 @@ int main(void)
         cmocka_unit_test(without_a_url_the_environment_decides),
         cmocka_unit_test(a_bad_url_is_named_with_an_example_of_a_good_one),
         cmocka_unit_test(a_bad_configuration_is_refused),
+        cmocka_unit_test(the_memory_that_is_stated_follows_the_configuration),
+        cmocka_unit_test(the_room_for_messages_is_there_from_the_start),
         cmocka_unit_test(a_log_hands_out_every_frame_and_then_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

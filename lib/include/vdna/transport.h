@@ -31,7 +31,10 @@ typedef struct vdna_transport_config {
     uint32_t struct_size;     /**< bytes of this struct, set by vdna_transport_config_init() */
     uint32_t max_image_bytes; /**< largest camera picture kept, 1..2^28; default 8 MiB; allocated at
                                    once if there is a camera channel */
-    const char *url;          /**< LCM URL; NULL = $LCM_DEFAULT_URL, else LCM's default (default) */
+    uint32_t max_message_bytes; /**< room for a message to publish, allocated at once, 0..2^28; a
+                                     larger one makes it grow; default 0 */
+    uint32_t reserved;          /**< 0 */
+    const char *url; /**< LCM URL; NULL = $LCM_DEFAULT_URL, else LCM's default (default) */
     const char *camera_channel;       /**< bot_core.image_t in; default NULL */
     const char *command_channel;      /**< vdna_msg.command_t; default NULL */
     const char *ranking_channel;      /**< vdna_msg.ranking_t; default NULL */
@@ -61,6 +64,14 @@ typedef struct vdna_transport_counters {
     uint32_t reserved;    /**< 0 */
 } vdna_transport_counters;
 
+/** Most memory that a transport holds, in bytes. */
+typedef struct vdna_transport_memory {
+    uint64_t own_bytes; /**< its own, allocated by vdna_transport_open() */
+    uint64_t lcm_bytes; /**< LCM's, over udpm:// : 30 messages queued for each channel subscribed
+                           to, and messages half received. Holds as long as no message on the whole
+                             network has more bytes than a camera message of max_image_bytes */
+} vdna_transport_memory;
+
 /** What vdna_transport_poll() found; bits. */
 enum {
     VDNA_TRANSPORT_FRAME = 1, /**< a camera frame */
@@ -69,6 +80,11 @@ enum {
 
 /** Write the defaults: LCM's own URL, 8 MiB, no channel. */
 VDNA_API void vdna_transport_config_init(vdna_transport_config *config);
+
+/** State what a transport of this configuration holds at most.
+ *  @return VDNA_OK; VDNA_ERR_ARG for a bad config */
+VDNA_API vdna_status vdna_transport_memory_of(const vdna_transport_config *config,
+                                              vdna_transport_memory *out_memory);
 
 /** Connect and subscribe. Channel names are taken literally, not as regular expressions.
  *  @param error  filled on failure; NULL = not wanted
