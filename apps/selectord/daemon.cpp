@@ -58,6 +58,25 @@ Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
             " experiences: " + vdna_status_text(status) + "; rebuild the map with `vdna build`");
 }
 
+uint32_t Daemon::message_size_max() const
+{
+    return std::max(ranking_.encoded_size(), other_messages_size_max);
+}
+
+size_t Daemon::histogram_size() const
+{
+    const vdna_hist &live = select_.live;
+    const size_t numbers_per_neuron = live.bins + 2; // counts, mass, saturated
+    return numbers_per_neuron * live.neurons * sizeof(uint32_t);
+}
+
+size_t Daemon::size() const
+{
+    const size_t per_experience = sizeof(char *) + 2 * sizeof(double) + sizeof(int8_t);
+    return sizeof *this + selector_memory_.size() * sizeof selector_memory_[0] +
+           candidates_.size() * (sizeof candidates_[0] + per_experience);
+}
+
 void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
 {
     int64_t next_status_us = monotonic_us();

@@ -23,6 +23,13 @@ class Daemon
     // Allocates all that the loop needs; borrows the map and the backbone. Throws Error.
     Daemon(const Config &config, const Map &map, const Backbone &backbone);
 
+    // Bytes of the largest message that run() publishes.
+    uint32_t message_size_max() const;
+
+    // Bytes of the live histogram, and of all that this object holds.
+    size_t histogram_size() const;
+    size_t size() const;
+
     // Answer frames and commands until `stop`. Throws Error if the connection is gone.
     void run(vdna_transport *transport, const std::atomic<bool> &stop);
 

@@ -33,6 +33,13 @@ RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone)
     message_.distance_bins = distances_.data();
     message_.tied = tied_.data();
     message_.predicted_recall = recalls_.data();
+    for (size_t i = 0; i < names_.size(); i++)
+        names_[i] = borrow(experiences_[i].name);
+}
+
+uint32_t RankingReport::encoded_size() const
+{
+    return static_cast<uint32_t>(vdna_msg_ranking_t_encoded_size(&message_));
 }
 
 const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select)

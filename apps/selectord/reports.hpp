@@ -23,6 +23,9 @@ class RankingReport
     // Borrows from both.
     RankingReport(const Map &map, const vdna_backbone_info &backbone);
 
+    // Bytes of the message on the wire, whatever the order of the experiences.
+    uint32_t encoded_size() const;
+
     // Valid until the next call; `select` is in state SELECTED.
     const vdna_msg_ranking_t &fill(const vdna_select &select);
 
@@ -54,6 +57,9 @@ struct Health {
     Resident resident;
     const char *message;
 };
+
+// Bytes on the wire that no status and no localisation exceeds.
+constexpr uint32_t other_messages_size_max = 2048;
 
 // Borrows its texts from `health`; `utime` is microseconds since 1970.
 vdna_msg_status_t status_of(const Health &health, int64_t utime);

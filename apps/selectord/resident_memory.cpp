@@ -43,7 +43,7 @@ Resident ResidentMemory::read() const
     text[size] = '\0';
     const int64_t now = bytes_of(text, "VmRSS");
     // The system's mark is brought up to date less often than the value.
-    return {now, std::max(now, bytes_of(text, "VmHWM"))};
+    return {now, bytes_of(text, "RssAnon"), std::max(now, bytes_of(text, "VmHWM"))};
 }
 
 } // namespace vdna

@@ -9,7 +9,8 @@ namespace vdna
 // In bytes; 0 where the system does not tell.
 struct Resident {
     int64_t now = 0;
-    int64_t most = 0; // since the process began
+    int64_t anonymous = 0; // of that, not backed by a file
+    int64_t most = 0;      // since the process began
 };
 
 // Keeps /proc/self/status open; reading it again allocates nothing.

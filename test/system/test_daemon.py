@@ -218,7 +218,8 @@ class Network(WithConfiguration):
                 watch.wait_for("localisation")
             status = watch.wait_for("status", has_answered(8))
         self.assertEqual(status["window_frames_max"], 3)
-        for name in ("queue", "decode", "resize", "inference", "select", "rank", "publish", "total"):
+        for name in ("queue", "decode", "resize", "inference", "select", "rank", "publish",
+                     "total"):
             stage = status[name]
             self.assertLessEqual(stage["p50_us"], stage["p99_us"])
             self.assertLessEqual(stage["p99_us"], stage["max_us"])
@@ -294,6 +295,10 @@ class CommandLine(WithConfiguration):
         self.assert_refused("[camera]\n", "1:2", "'camera'", "[lcm]")
         self.assert_refused("[lcm]\ncamera = ''\n", "2:10", "1 to 63 bytes")
         self.assert_refused("[lcm\n", "1:5", "TOML")
+        self.assert_refused("[memory]\nlock = 1\n", "2:8", "is 1", "true or false")
+        self.assert_refused("[memory]\nbudget_mb = -1\n", "2:13", "is -1", "from 0")
+        self.assert_refused("[cpu]\nnice = 20\n", "2:8", "is 20", "from -20 to 19")
+        self.assert_refused("[cpu]\naffinity = 1\n", "2:12", "is 1", "a string")
 
     def test_a_configuration_that_cannot_be_read_is_named(self):
         result = selectord("-c", os.path.join(WORK, "none.toml"))
