@@ -24,6 +24,8 @@ constexpr const char *digits = "0123456789";
 
 using Keys = std::initializer_list<std::string_view>;
 
+const Keys interpolation_names = {"area", "linear", "cubic", "pillow_bicubic"};
+
 std::string listed(Keys keys)
 {
     std::string list;
@@ -189,7 +191,7 @@ Input Reader::input(const toml::table &table) const
         refuse(table.get("std")->source(), "'std' is divided by: its numbers must be above 0");
     choice(table, "resize", {"stretch"});
     input.interpolation =
-        static_cast<Interpolation>(choice(table, "interpolation", {"area", "linear", "cubic"}));
+        static_cast<Interpolation>(choice(table, "interpolation", interpolation_names));
     return input;
 }
 
@@ -262,11 +264,10 @@ Manifest read_manifest(const std::filesystem::path &file)
 std::string preprocessing_text(const Manifest &manifest)
 {
     const Input &input = manifest.input;
-    static const char *const interpolation[] = {"area", "linear", "cubic"};
     return std::to_string(input.width) + "x" + std::to_string(input.height) +
            (input.bgr ? " BGR" : " RGB") + " mean=" + triple(input.mean) +
            " std=" + triple(input.std) + " resize=stretch/" +
-           interpolation[static_cast<size_t>(input.interpolation)] +
+           std::string(interpolation_names.begin()[static_cast<size_t>(input.interpolation)]) +
            " l2=" + (manifest.l2_normalise ? "1" : "0");
 }
 

@@ -12,7 +12,9 @@
 namespace vdna
 {
 
-enum class Interpolation { area, linear, cubic };
+// In the order of interpolation_names. pillow_bicubic: as Python's Pillow, to the last bit; the
+// others: as OpenCV.
+enum class Interpolation { area, linear, cubic, pillow_bicubic };
 
 // What becomes of a picture before the network sees it.
 struct Input {
