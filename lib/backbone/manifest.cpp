@@ -50,6 +50,8 @@ class Reader
   private:
     Input input(const toml::table &table) const;
     std::vector<TappedOutput> taps(const toml::table &root) const;
+    std::string precision(const toml::table &root) const;
+    std::string quantised_from(const toml::table &root) const;
 
     void allow_only(const toml::table &table, Keys keys) const;
     const toml::node &need(const toml::table &table, std::string_view key,
@@ -215,14 +217,33 @@ std::vector<TappedOutput> Reader::taps(const toml::table &root) const
     return taps;
 }
 
+std::string Reader::precision(const toml::table &root) const
+{
+    if (!root.contains("precision"))
+        return "fp32";
+    return choice(root, "precision", {"fp32", "int8"}) == 1 ? "int8" : "fp32";
+}
+
+std::string Reader::quantised_from(const toml::table &root) const
+{
+    if (!root.contains("quantised"))
+        return "";
+    const toml::table &table = section(root, "quantised");
+    allow_only(table, {"from_sha256", "method"});
+    text(table, "method"); // for people only
+    return hash(table, "from_sha256");
+}
+
 Manifest Reader::manifest(const toml::table &root) const
 {
-    allow_only(root,
-               {"name", "model", "sha256", "source", "licence", "input", "taps", "embedding"});
+    allow_only(root, {"name", "model", "sha256", "source", "licence", "precision", "quantised",
+                      "input", "taps", "embedding"});
     Manifest manifest{};
     manifest.name = plain_name(root, "name");
     manifest.model = file_.parent_path() / text(root, "model");
     manifest.sha256 = hash(root, "sha256");
+    manifest.precision = precision(root);
+    manifest.quantised_from = quantised_from(root);
     // For people only, yet a network without them is not one to ship.
     text(root, "source");
     text(root, "licence");
