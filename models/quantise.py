@@ -14,6 +14,7 @@ needs; nothing else of the project uses it.
 import argparse
 import hashlib
 import json
+import logging
 import os
 import re
 import subprocess
@@ -211,6 +212,7 @@ def manifest_text(text, name, data, original, method):
 
 def quantise(options):
     import onnxruntime
+    logging.disable(logging.WARNING)  # the quantiser's advice to fuse what we export fused
     text, manifest, model = read_network(options.manifest)
     with tempfile.TemporaryDirectory(prefix="vdna-quantise-") as folder:
         out = Path(folder, "int8.onnx")
