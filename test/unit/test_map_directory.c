@@ -163,6 +163,9 @@ static void a_comparison_names_the_first_field_that_differs(void **state)
         if (!strstr(error.text, cases[i].reason) || !strstr(error.text, "vdna build"))
             fail_msg("expected \"%s\" in: %s", cases[i].reason, error.text);
     }
+    vdna_error error = {""};
+    assert_int_equal(vdna_experience_compare(&cases[1].other, &sample, &error), VDNA_ERR_MISMATCH);
+    assert_non_null(strstr(error.text, "precision is int8 in one and fp32 in the other"));
     assert_int_equal(vdna_experience_compare(&sample, NULL, NULL), VDNA_ERR_ARG);
     assert_int_equal(vdna_experience_compare(NULL, &sample, NULL), VDNA_ERR_ARG);
 }
