@@ -1,0 +1,140 @@
+"""End to end: pictures go to the real daemon over real LCM, beside ONNX Runtime alone in another
+process and the reference package in this one; and what the daemon's memory does meanwhile."""
+import statistics
+
+from bare import Bare, peak_bytes, resident_bytes
+from drive import Answers, Drive, reset_message
+from measure import calmest
+from package import Package
+from scene import NETWORKS
+from selectord import Camera, Selectord, Watch
+
+BLOCK = 5  # frames that the daemon answers before its peer gets its turn
+STAGES = ("queue", "decode", "resize", "inference", "select", "rank", "publish", "total")
+
+
+def run(context):
+    """All of the group."""
+    names = ["efficientnet_lite0"] if context.tiny else list(NETWORKS)
+    for name in names:
+        for manifest, precision in ((context.scene.manifest(name), "fp32"),
+                                    (context.scene.int8_manifest(name), "int8")):
+            if manifest and not (context.tiny and precision == "int8"):
+                yield drive(context, name, manifest, precision)
+    for count in [2] if context.tiny else [4, 100]:
+        yield last_frame(context, names[-1], count)
+    yield long_run(context, names[0])
+
+
+def drive(context, name, manifest, precision):
+    """Frames from the first message to the decision."""
+    frames = 10 if context.tiny else 20 if context.quick else 100
+    candidates = 2 if context.tiny else 4
+    files = context.scene.pictures(frames)
+    pictures = [file.read_bytes() for file in files]
+    options = ("--map", context.scene.map(manifest, candidates), "--backbone", manifest,
+               "--warmup-frames", frames)
+    blocks = []
+    with Answers() as answers, Camera() as camera, Selectord(*options) as daemon, \
+            Bare(context.build, manifest) as bare:
+        course = Drive(camera, answers, daemon)
+        bare.run(2)
+        for first in range(0, frames, BLOCK):
+            for utime in range(first, min(first + BLOCK, frames)):
+                course.ask(utime, pictures[utime])
+            blocks.append((course.asked[first:], bare.run(BLOCK)))
+        with Watch() as watch:
+            status = watch.wait_for("status", lambda said: said["processed"] == frames)
+        more = {"bytes": statistics.median(map(len, pictures)), "candidates": candidates,
+                "memory_mib": peak_bytes(daemon.pid) / 2**20,
+                "bare_memory_mib": peak_bytes(bare.pid) / 2**20,
+                "map_mib": sum(file.stat().st_size for file in options[1].iterdir()) / 2**20,
+                "last_frame_to_ranking_ms": 1e3 * course.asked[-1][1],
+                "stages_ms": {stage: status[stage]["p50_us"] / 1e3
+                              for stage in STAGES if stage in status}}
+    timed = summary(blocks)
+    # A package's time is one measurement after the drive: it is several times as long.
+    package = package_seconds(context, name, files) if precision == "fp32" else None
+    if package:
+        context.package_seconds[name] = package
+    if name in context.package_seconds:
+        seconds, batch = context.package_seconds[name]
+        timed["peers"][f"vdna package, batches of {batch}"] = {
+            "median": seconds, "speedup": seconds / timed["median"]}
+    return f"drive {name} {precision}", "s/100 frames", 100, timed, more
+
+
+def summary(blocks):
+    """As compare() gives, for one frame. blocks: [(what the drive asked, what bare_onnx ran)]"""
+    per_block = [(statistics.median(frame[0] for frame in asked),
+                  statistics.median(inference[0] for inference in bare),
+                  max(statistics.median(frame[2] for frame in asked), bare[0][1]))
+                 for asked, bare in blocks]
+    used = calmest(per_block, lambda block: block[2])
+    mine = [block[0] for block in used]
+    return {
+        "median": statistics.median(mine), "least": min(mine), "most": max(mine),
+        "rounds": len(mine), "waited": statistics.median(block[2] for block in used),
+        "peers": {"ONNX Runtime alone": {
+            "median": statistics.median(block[1] for block in used),
+            "speedup": statistics.median(block[1] / block[0] for block in used)}},
+    }
+
+
+def package_seconds(context, name, files):
+    """(seconds of the reference package for one picture at its best batch size, that size)"""
+    peers = context.peers
+    if not peers.package or name == "efficientnet_lite0":
+        return None
+    height, width = NETWORKS[name][1:]
+    peers.set_threads(2)
+    package = Package(peers.torch, name, (height, width))
+    # Its largest batch must fit; so pictures may come twice.
+    files = (files * 2)[:32] if context.quick else files[:64]
+    batch = package.best_batch(files)
+    seconds = statistics.median(package.seconds(files, batch) for _ in range(3)) / len(files)
+    peers.set_threads(1)
+    return seconds, batch
+
+
+def last_frame(context, name, count):
+    """From the last frame of a warmup to the ranking: a warmup of one frame, again and again."""
+    manifest, frames = context.scene.manifest(name), 6 if context.tiny else 20
+    picture = context.scene.pictures(3)[0].read_bytes()
+    options = ("--map", context.scene.map(manifest, count), "--backbone", manifest,
+               "--warmup-frames", 1)
+    blocks = []
+    with Answers() as answers, Camera() as camera, Camera("VDNA_COMMAND") as operator, \
+            Selectord(*options) as daemon, Bare(context.build, manifest) as bare:
+        course = Drive(camera, answers, daemon)
+        for utime in range(frames):
+            operator.send(reset_message())
+            course.ask(utime, picture)
+            _, ranked, wait = course.asked[-1]
+            blocks.append(([(ranked, ranked, wait)], bare.run(1)))
+    timed = summary(blocks[2:])
+    bare_median = timed["peers"]["ONNX Runtime alone"]["median"]
+    return (f"last frame {name}, K={count}", "ms", 1e3, timed,
+            {"beyond_inference_ms": 1e3 * (timed["median"] - bare_median)})
+
+
+def long_run(context, name):
+    """The daemon's memory while frames come and come."""
+    manifest = context.scene.manifest(name)
+    frames = 40 if context.tiny else 1000 if context.quick else 10000
+    pictures = [file.read_bytes() for file in context.scene.pictures(10 if context.tiny else 20)]
+    options = ("--map", context.scene.map(manifest, 2), "--backbone", manifest,
+               "--warmup-frames", 10)
+    points = []
+    with Answers() as answers, Camera() as camera, Selectord(*options) as daemon:
+        course = Drive(camera, answers, daemon)
+        for utime in range(frames):
+            if utime % (frames // 40) == 0:
+                points.append((utime, resident_bytes(daemon.pid) / 2**20))
+            course.ask(utime, pictures[utime % len(pictures)])
+        points.append((frames, resident_bytes(daemon.pid) / 2**20))
+    took = sorted(frame[0] for frame in course.asked)
+    median = statistics.median(took)
+    timed = {"median": median, "least": took[0], "most": took[-1], "rounds": frames, "peers": {},
+             "waited": statistics.median(frame[2] for frame in course.asked)}
+    return f"long run {name}", "ms/frame", 1e3, timed, {"memory_mib_by_frame": points}
