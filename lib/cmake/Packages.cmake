@@ -41,12 +41,13 @@ if(VDNA_APPS)
   set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME vdna)
   set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION science)
   set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION
-    "${about} the command and the daemon, ONNX Runtime and two pretrained networks.")
+    "${about} the command and the daemon, ONNX Runtime and two\npretrained networks.")
 endif()
 
 # write a compressed file as Debian wants it, without a time stamp
 function(vdna_compress from to)
-  execute_process(COMMAND "${VDNA_GZIP}" -9nc "${from}" OUTPUT_FILE "${to}" COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND "${VDNA_GZIP}" -9nc "${from}" OUTPUT_FILE "${to}"
+    COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
 # The changelog and the licences of each package.

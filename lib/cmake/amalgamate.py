@@ -13,11 +13,11 @@ from pathlib import Path
 PUBLIC = re.compile(r"^#include <vdna/(\w+\.h)>\n", re.M)
 PRIVATE = re.compile(r'^#include "(\w+\.h)"\n', re.M)
 
-TITLE = """/* vdna {version}, the part that needs nothing: histograms, distances, ranking, the selector.
+TITLE = """/* vdna {version}, the part that needs nothing: histograms, distances, ranking, selector.
  * Written from lib/core and lib/select by the CMake target `amalgamation`; change it there.
  *
- * Compile vdna.c as C99 with -std=c99, or with -ffp-contract=off: the same counts then give the same
- * bits on every machine.
+ * Compile vdna.c as C99 with -std=c99, or with -ffp-contract=off: the same counts then give the
+ * same bits on every machine.
  *
 {licence} */
 """

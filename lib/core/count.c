@@ -1,71 +1,142 @@
 #include "count.h"
 
-/* One neuron's range, ready to bin with. */
-typedef struct axis {
-    double mid, half;
-    double bins;
-} axis;
-
-static axis axis_of(const vdna_hist *hist, size_t neuron)
+/* The definition to the letter: half-open bins, the last closed. */
+static uint32_t slot_of(const vdna_hist *hist, size_t neuron, float value)
 {
     const double lo = hist->range[2 * neuron], hi = hist->range[2 * neuron + 1];
-    const axis a = {(lo + hi) / 2, (hi - lo) / 2, hist->bins};
-    return a;
-}
-
-/* The definition to the letter: half-open bins, the last closed. */
-static uint32_t slot_of(const axis *a, uint32_t bins, float value)
-{
-    const double x = ((double)value - a->mid) / a->half;
+    const double mid = (lo + hi) / 2, half = (hi - lo) / 2, bins = hist->bins;
+    const double x = (value - mid) / half;
     if (x < -1)
-        return 0;
+        return hist->bins + SLOT_BELOW;
     if (x > 1)
-        return bins + 1;
+        return hist->bins + SLOT_ABOVE;
     /* x + 1 is not negative, so the conversion is the floor. */
-    const uint32_t bin = (uint32_t)((x + 1) * a->bins / 2);
-    return bin < bins ? bin + 1 : bins;
+    const uint32_t bin = (uint32_t)((x + 1) * bins / 2);
+    return bin < hist->bins ? bin : hist->bins - 1;
 }
 
-/* The count that a slot belongs to: samples beyond the range land in an edge bin. */
-static uint32_t *count_of(const vdna_hist *hist, size_t neuron, uint32_t slot)
+/* The bin of a slot: samples beyond the range land in an edge bin. */
+static uint32_t bin_of(const vdna_hist *hist, uint32_t slot)
 {
-    const uint32_t last = hist->bins - 1, bin = slot == 0 ? 0 : slot - 1;
-    return hist->counts + (size_t)(bin < last ? bin : last) * hist->neurons + neuron;
+    if (slot < hist->bins)
+        return slot;
+    return slot == hist->bins + SLOT_BELOW ? 0 : hist->bins - 1;
 }
 
-static uint32_t is_beyond(const vdna_hist *hist, uint32_t slot)
+/* Slots are estimated in single precision, several values at a time, which vectorises. Where that
+ * does not make the bin certain, because an edge is near or the value beyond the range, the slot is
+ * UNSURE and the definition decides. */
+#define UNSURE UINT32_MAX
+enum { AT_A_TIME = 32 }; /* few enough for a microcontroller's stack */
+
+/* The line from a value to its place among the bins, for the neuron of each lane. */
+typedef struct lines {
+    float lo[AT_A_TIME], scale[AT_A_TIME];
+} lines;
+
+/* Put the line of one neuron into a lane. Where the width or the scale leaves the floats, the
+ * scale is infinite or 0, with which no place is sure. */
+static void draw_line(const vdna_hist *hist, size_t neuron, lines *l, size_t lane)
 {
-    return slot == 0 || slot > hist->bins;
+    const float lo = hist->range[2 * neuron], hi = hist->range[2 * neuron + 1];
+    l->lo[lane] = lo;
+    l->scale[lane] = (float)hist->bins / (hi - lo);
 }
 
-/* How to walk over the values of a tap neuron by neuron. */
-typedef struct walk {
-    size_t neuron_step, sample_step;
-} walk;
-
-static walk walk_of(const vdna_activations *tap)
+static void estimate_slots(const lines *l, uint32_t bins, const float *values, size_t count,
+                           uint32_t *out_slots)
 {
-    const walk tokens = {1, tap->neurons}, map = {tap->samples, 1};
-    return tap->layout == VDNA_LAYOUT_SAMPLES_NEURONS ? tokens : map;
+    /* Difference, width, scale and product each round by at most 2^-24 of at most `bins`, a
+     * subnormal scale by twice that; eight roundings are allowed for. Those of the definition, in
+     * double, are far smaller. */
+    const float sure = 0.5f - (float)bins / 2097152;
+    /* Below 0 and from `bins` on nothing is sure; this only keeps the conversion defined. */
+    const float least = -1, most = (float)bins;
+    for (size_t i = 0; i < count; i++) {
+        float place = (values[i] - l->lo[i]) * l->scale[i];
+        place = place > least ? place : least; /* first, because it also ends a NaN */
+        place = place < most ? place : most;
+        const int32_t bin = (int32_t)place;
+        const float from_middle = place - (float)bin - 0.5f;
+        const int is_sure = (from_middle <= sure) & (from_middle >= -sure);
+        out_slots[i] = is_sure ? (uint32_t)bin : UNSURE;
+    }
+}
+
+/* Count values whose neurons are `step` (0 or 1) apart, and make the unsure slots sure. */
+static void count_values(vdna_hist *hist, size_t neuron, size_t step, const float *values,
+                         size_t count, uint32_t *slots)
+{
+    /* Copies, because the compiler cannot know that counting changes none of them. */
+    uint32_t *const counts = hist->counts;
+    const size_t neurons = hist->neurons;
+    for (size_t i = 0; i < count; i++, neuron += step) {
+        uint32_t bin = slots[i];
+        if (bin == UNSURE) {
+            slots[i] = slot_of(hist, neuron, values[i]);
+            hist->saturated[neuron] += slots[i] >= hist->bins;
+            bin = bin_of(hist, slots[i]);
+        }
+        counts[bin * neurons + neuron]++;
+    }
+}
+
+/* Count one run of neighbours in memory. */
+static void count_run(vdna_hist *hist, const lines *l, size_t neuron, size_t step,
+                      const float *values, size_t count, uint16_t *out_slots)
+{
+    uint32_t slots[AT_A_TIME];
+    estimate_slots(l, hist->bins, values, count, slots);
+    count_values(hist, neuron, step, values, count, slots);
+    if (out_slots)
+        for (size_t i = 0; i < count; i++)
+            out_slots[i] = (uint16_t)slots[i];
+}
+
+/* Tokens: neighbours in memory are neighbouring neurons. */
+static void count_tokens(vdna_hist *hist, size_t first, const vdna_activations *tap,
+                         uint16_t *out_slots)
+{
+    const size_t neurons = tap->neurons;
+    lines l;
+    for (size_t n = 0; n < neurons; n += AT_A_TIME) {
+        const size_t count = neurons - n < AT_A_TIME ? neurons - n : AT_A_TIME;
+        for (size_t i = 0; i < count; i++)
+            draw_line(hist, first + n + i, &l, i);
+        for (size_t i = n; i < neurons * tap->samples; i += neurons) {
+            count_run(hist, &l, first + n, 1, tap->values + i, count,
+                      out_slots ? out_slots + i : NULL);
+        }
+    }
+}
+
+/* A feature map: neighbours in memory are samples of one neuron. */
+static void count_map(vdna_hist *hist, size_t first, const vdna_activations *tap,
+                      uint16_t *out_slots)
+{
+    const size_t samples = tap->samples;
+    lines l;
+    for (size_t n = 0; n < tap->neurons; n++) {
+        for (size_t i = 0; i < AT_A_TIME; i++)
+            draw_line(hist, first + n, &l, i);
+        for (size_t i = n * samples; i < (n + 1) * samples; i += AT_A_TIME) {
+            const size_t left = (n + 1) * samples - i, count = left < AT_A_TIME ? left : AT_A_TIME;
+            count_run(hist, &l, first + n, 0, tap->values + i, count,
+                      out_slots ? out_slots + i : NULL);
+        }
+    }
 }
 
 /* Count one tap, whose first neuron is `first`. */
 static void count_tap(vdna_hist *hist, size_t first, const vdna_activations *tap,
                       uint16_t *out_slots)
 {
-    const walk w = walk_of(tap);
-    for (size_t n = 0; n < tap->neurons; n++) {
-        const axis a = axis_of(hist, first + n);
-        for (size_t s = 0; s < tap->samples; s++) {
-            const size_t i = n * w.neuron_step + s * w.sample_step;
-            const uint32_t slot = slot_of(&a, hist->bins, tap->values[i]);
-            ++*count_of(hist, first + n, slot);
-            hist->saturated[first + n] += is_beyond(hist, slot);
-            if (out_slots)
-                out_slots[i] = (uint16_t)slot;
-        }
+    if (tap->layout == VDNA_LAYOUT_SAMPLES_NEURONS)
+        count_tokens(hist, first, tap, out_slots);
+    else
+        count_map(hist, first, tap, out_slots);
+    for (size_t n = 0; n < tap->neurons; n++)
         hist->mass[first + n] += tap->samples;
-    }
 }
 
 /* see count.h */
@@ -85,12 +156,13 @@ void vdna_count_frame(vdna_hist *hist, const vdna_activations *taps, size_t tap_
 static void uncount_tap(vdna_hist *hist, size_t first, const vdna_activations *tap,
                         const uint16_t *slots)
 {
-    const walk w = walk_of(tap);
+    const int tokens = tap->layout == VDNA_LAYOUT_SAMPLES_NEURONS;
+    const size_t neuron_step = tokens ? 1 : tap->samples, sample_step = tokens ? tap->neurons : 1;
     for (size_t n = 0; n < tap->neurons; n++) {
         for (size_t s = 0; s < tap->samples; s++) {
-            const uint32_t slot = slots[n * w.neuron_step + s * w.sample_step];
-            --*count_of(hist, first + n, slot);
-            hist->saturated[first + n] -= is_beyond(hist, slot);
+            const uint32_t slot = slots[n * neuron_step + s * sample_step];
+            hist->counts[(size_t)bin_of(hist, slot) * hist->neurons + first + n]--;
+            hist->saturated[first + n] -= slot >= hist->bins;
         }
         hist->mass[first + n] -= tap->samples;
     }

@@ -1,15 +1,18 @@
 /* Counting the samples of a frame in a histogram, and taking them out again. Private to the core.
  *
- * A slot says where a sample lies on its neuron's axis: 0 is below the range, 1..bins are the
- * bins, bins + 1 is above the range. Unlike a bin it can undo `saturated`. */
+ * A slot says where a sample lies on its neuron's axis: it is its bin, or one of two more for what
+ * lies beyond the range. Unlike a bin it can undo `saturated`. */
 #ifndef VDNA_CORE_COUNT_H
 #define VDNA_CORE_COUNT_H
 
 #include <vdna/hist.h>
 
+/* Slots behind the last bin. */
+enum { SLOT_BELOW = 0, SLOT_ABOVE = 1 };
+
 /* Count a frame that was checked and fits.
  * @param out_slots  NULL, or [neurons x samples of all taps], in the order of the values; then
- *                   bins + 1 must fit */
+ *                   bins + SLOT_ABOVE must fit */
 void vdna_count_frame(vdna_hist *hist, const vdna_activations *taps, size_t tap_count,
                       uint16_t *out_slots);
 

@@ -39,26 +39,51 @@ static vdna_status check_arguments(const vdna_hist_view *p, const vdna_hist_view
     return check_bound(p, q);
 }
 
+/* For the proof of add_row() in test/proof. `moved` is what a bin adds to the running difference;
+ * that all of it fits is the bound which was checked before. */
+/*@ lemma product: \forall integer x, y; 0 <= x <= UINT32_MAX && 0 <= y <= UINT32_MAX ==>
+      0 <= x * y <= UINT64_MAX;
+    predicate fits(integer difference, integer sum, integer moved) =
+      -INT64_MAX <= moved <= INT64_MAX && -INT64_MAX <= difference + moved <= INT64_MAX &&
+      0 <= sum && sum + \abs(difference + moved) <= INT64_MAX; */
+
+/*@ requires \valid_read(row_p + (0 .. neurons - 1)) && \valid_read(row_q + (0 .. neurons - 1));
+    requires \valid_read(mass_p + (0 .. neurons - 1)) && \valid_read(mass_q + (0 .. neurons - 1));
+    requires \valid(difference + (0 .. neurons - 1)) && \valid(sum + (0 .. neurons - 1));
+    requires \separated(difference + (0 .. neurons - 1), sum + (0 .. neurons - 1));
+    requires \forall integer n; 0 <= n < neurons ==>
+      fits(difference[n], sum[n], row_p[n] * mass_q[n] - row_q[n] * mass_p[n]);
+    assigns difference[0 .. neurons - 1], sum[0 .. neurons - 1]; */
+static void add_row(const uint32_t *restrict row_p, const uint32_t *restrict row_q,
+                    const uint32_t *mass_p, const uint32_t *mass_q, size_t neurons,
+                    int64_t *restrict difference, int64_t *restrict sum)
+{
+    /*@ loop invariant 0 <= n <= neurons;
+        loop invariant \forall integer i; n <= i < neurons ==>
+          difference[i] == \at(difference[i], Pre) && sum[i] == \at(sum[i], Pre);
+        loop assigns n, difference[0 .. neurons - 1], sum[0 .. neurons - 1];
+        loop variant neurons - n; */
+    for (size_t n = 0; n < neurons; n++) {
+        const uint64_t moved_p = (uint64_t)row_p[n] * mass_q[n];
+        const uint64_t moved_q = (uint64_t)row_q[n] * mass_p[n];
+        /*@ assert moved_p == row_p[n] * mass_q[n] && moved_q == row_q[n] * mass_p[n]; */
+        /*@ assert fits(difference[n], sum[n], moved_p - moved_q); */
+        /*@ assert (int64_t)(moved_p - moved_q) == moved_p - moved_q; */
+        const int64_t d = difference[n] + (int64_t)(moved_p - moved_q);
+        difference[n] = d;
+        sum[n] += d < 0 ? -d : d;
+    }
+}
+
 /* The exact sums of all neurons. Row by row: each row is one pass over memory that vectorises. */
 static void sum_rows(const vdna_hist_view *p, const vdna_hist_view *q, const work *w)
 {
     const size_t neurons = p->neurons;
-    int64_t *restrict difference = w->difference;
-    int64_t *restrict sum = w->sum;
-    memset(difference, 0, neurons * sizeof *difference);
-    memset(sum, 0, neurons * sizeof *sum);
-
-    for (size_t b = 0; b + 1 < p->bins; b++) {
-        const uint32_t *restrict row_p = p->counts + b * neurons;
-        const uint32_t *restrict row_q = q->counts + b * neurons;
-        for (size_t n = 0; n < neurons; n++) {
-            const uint64_t moved_p = (uint64_t)row_p[n] * q->mass[n];
-            const uint64_t moved_q = (uint64_t)row_q[n] * p->mass[n];
-            const int64_t d = difference[n] + (int64_t)(moved_p - moved_q);
-            difference[n] = d;
-            sum[n] += d < 0 ? -d : d;
-        }
-    }
+    memset(w->difference, 0, neurons * sizeof *w->difference);
+    memset(w->sum, 0, neurons * sizeof *w->sum);
+    for (size_t b = 0; b + 1 < p->bins; b++)
+        add_row(p->counts + b * neurons, q->counts + b * neurons, p->mass, q->mass, neurons,
+                w->difference, w->sum);
 }
 
 static vdna_status exact_sums(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,

@@ -22,19 +22,16 @@ typedef struct window_parts {
     vdna_hist_config hist_config;
 } window_parts;
 
-/* Activations of one frame, or 0 if `capacity` frames would be too many to count or to address. */
+/* Activations of one frame, or 0 if `capacity` frames could bring a mass past UINT32_MAX. */
 static uint64_t frame_values_of(const vdna_window_config *config)
 {
-    uint64_t values = 0, most = 0;
+    uint64_t values = 0;
     for (size_t t = 0; t < config->tap_count; t++) {
-        const vdna_activations *tap = &config->taps[t];
-        if (tap->samples > UINT32_MAX / config->capacity)
+        if (config->taps[t].samples > UINT32_MAX / config->capacity)
             return 0;
-        /* Neurons and a mass each fit 32 bits, so neither sum can wrap. */
-        values += (uint64_t)tap->neurons * tap->samples;
-        most += (uint64_t)tap->neurons * tap->samples * config->capacity;
+        values += (uint64_t)config->taps[t].neurons * config->taps[t].samples;
     }
-    return most <= SIZE_MAX / 4 / sizeof(uint16_t) ? values : 0;
+    return values;
 }
 
 static window_parts parts_of(const vdna_window_config *config)
@@ -50,17 +47,20 @@ static window_parts parts_of(const vdna_window_config *config)
     p.hist_config.range = config->range;
     if (vdna_taps_shape(config->taps, config->tap_count, &p.hist_config.neurons) != VDNA_OK)
         return p;
-    const uint64_t values = frame_values_of(config);
+    /* Neurons and the mass of each fit 32 bits, so all slots together fit 64. */
+    const uint64_t values = frame_values_of(config), slots = values * config->capacity;
     const uint64_t hist = vdna_hist_mem_size(&p.hist_config);
     const uint64_t utime = (uint64_t)config->capacity * sizeof(int64_t);
-    const uint64_t slots = values * config->capacity * sizeof(uint16_t);
-    if (values == 0 || hist == 0 || utime + hist + slots > SIZE_MAX / 2)
+    if (values == 0 || hist == 0 || slots > SIZE_MAX / 8)
+        return p;
+    const uint64_t total = utime + hist + slots * sizeof(uint16_t);
+    if (total > SIZE_MAX / 2)
         return p;
 
     p.utime = (size_t)utime;
     p.hist = (size_t)hist;
     p.frame_values = (size_t)values;
-    p.total = (size_t)(utime + hist + slots);
+    p.total = (size_t)total;
     return p;
 }
 

@@ -240,7 +240,6 @@ double vdna_select_progress(const vdna_select *select)
         return 0;
     if (select->config.warmup_frames > 0)
         return (double)select->live.frames / select->config.warmup_frames;
-    const double progress = (double)elapsed_us(select->first_utime, select->last_utime) /
-                            (double)select->config.warmup_us;
-    return progress < 1 ? progress : 1;
+    return (double)elapsed_us(select->first_utime, select->last_utime) /
+           (double)select->config.warmup_us;
 }

@@ -2,7 +2,8 @@
 """Write reference_golden.h: distances by the reference implementation of Visual DNA, the package
 `vdna`, for test_reference.c.
 
-    python3 -m venv VENV && VENV/bin/pip install vdna==0.1.1 torch==1.12.1 torchvision==0.13.1 'numpy<2'
+    python3 -m venv VENV
+    VENV/bin/pip install vdna==0.1.1 torch==1.12.1 torchvision==0.13.1 'numpy<2'
     VENV/bin/python test/golden/make_reference.py > test/golden/reference_golden.h   (Python 3.10)
 
 The counts are a formula, so that the file need not hold them. The package divides the counts by

@@ -90,7 +90,9 @@ def rank_go(go):
 
 def rank_java(maven):
     require_tool(maven, "mvn")
-    goals = ["--quiet", "--batch-mode", "compile", "exec:java", f"-Djna.library.path={LIBRARY}"]
+    # exec:java by its full name: Maven asks its registry what "exec" stands for.
+    execute = "org.codehaus.mojo:exec-maven-plugin:java"
+    goals = ["--quiet", "--batch-mode", "compile", execute, f"-Djna.library.path={LIBRARY}"]
     folder = copy_of("java")
     # Offline first: Maven asks its registry again even for what is here.
     offline = subprocess.run(

@@ -56,9 +56,31 @@ def find_package(scratch):
 
 
 def subdirectory(scratch):
-    programs = build_with_cmake(scratch, f"-DVDNA_SOURCE={ROOT}")
+    programs = build_with_cmake(scratch, f"-DVDNA_SOURCE={ROOT}", "-DBUILD_SHARED_LIBS=ON")
+    shared = {path.name for path in scratch.glob("build/**/*.so")}
+    assert shared == {"libvdna.so"}, f"{shared}: a part of libvdna is a library of its own"
     installed = output_of(CMAKE, "--install", scratch / "build", "--prefix", scratch / "none")
     assert "vdna" not in installed, "a part of another project installs nothing of itself"
+    return programs
+
+
+def readme(scratch):
+    """By the commands of the README, with this build's folder in place of theirs."""
+    need("pkg-config")
+    section = (ROOT / "README.md").read_text().partition("\n## Install\n")[2].partition("\n## ")[0]
+    commands = [line.strip() for line in section.splitlines() if line.startswith("    ")]
+    os.environ["HOME"] = str(scratch)
+    os.environ["PKG_CONFIG_PATH"] = str(scratch / "vdna" / "lib" / "pkgconfig")
+    os.environ["LD_LIBRARY_PATH"] = str(scratch / "vdna" / "lib")
+    [install] = [command for command in commands if command.startswith("cmake --install build ")]
+    run("sh", "-c", install.replace(" build ", f" {BUILD} ", 1), cwd=scratch)
+    programs = []
+    for command in commands:
+        if command.startswith("cc "):
+            shutil.copy(CHOOSE, scratch)
+            run("sh", "-c", command.replace("cc ", f"{CC} ", 1), cwd=scratch)
+            programs.append((None, shutil.move(scratch / "choose", scratch / str(len(programs)))))
+    assert len(programs) == 2, commands
     return programs
 
 
@@ -116,8 +138,9 @@ def main():
         assert expected_choice.startswith("near "), expected_choice
 
         for consumer, choose in globals()[way](scratch):
-            found = output_of(consumer)
-            assert found == expected, f"{found}\nexpected\n{expected}"
+            if consumer:
+                found = output_of(consumer)
+                assert found == expected, f"{found}\nexpected\n{expected}"
             if choose:
                 found = output_of(choose, *files)
                 assert found == expected_choice, f"{found}\nexpected\n{expected_choice}"

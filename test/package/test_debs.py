@@ -10,6 +10,7 @@ import sys
 import unittest
 from pathlib import Path
 
+PROGRAMS = os.environ["VDNA_PROGRAMS"] == "ON"
 DEBS = sorted(Path(os.environ["VDNA_STAGE"], "debs").glob("*.deb"))
 
 if not DEBS or not shutil.which("lintian"):
@@ -36,7 +37,7 @@ class TheDebs(unittest.TestCase):
 
     def test_are_those_that_were_built(self):
         expected = {"libvdna0", "libvdna-dev"}
-        if os.environ["VDNA_PROGRAMS"]:
+        if PROGRAMS:
             expected.add("vdna")
         self.assertEqual(set(self.debs), expected)
 
@@ -58,7 +59,7 @@ class TheDebs(unittest.TestCase):
             self.assertIn(" Permission is hereby granted", text)
             self.assertEqual("ML Illustrated" in text and "Microsoft" in text, package == "vdna")
 
-    @unittest.skipUnless(os.environ["VDNA_PROGRAMS"], "needs the programs")
+    @unittest.skipUnless(PROGRAMS, "needs the programs")
     def test_the_programs_bring_their_networks_and_onnx_runtime(self):
         content = output_of("dpkg-deb", "--contents", self.debs["vdna"])
         for path in ("bin/vdna", "sbin/vdna_selectord", "lib/vdna/libonnxruntime.so",

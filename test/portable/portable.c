@@ -439,6 +439,30 @@ static void find_neighbours(void)
         printf("same %" PRIu32 " %016" PRIx64 "\n", match[i].index, bits_of(match[i].distance_sq));
 }
 
+/* ---- Sizes that a size_t of 32 bits cannot say ---- */
+
+static void refuse_what_cannot_be_addressed(void)
+{
+    static const float value = 1;
+    static const vdna_activations tap = {&value, 65536, 65536, 0}, long_tap = {&value, 1, 65536, 0};
+    vdna_hist_config hist;
+    vdna_hist_config_init(&hist);
+    hist.neurons = 1 << 20;
+    hist.bins = 65536;
+    vdna_window_config window;
+    vdna_window_config_init(&window);
+    window.taps = &long_tap;
+    window.tap_count = 1;
+    window.capacity = 65535;
+    const int narrow = sizeof(size_t) == 4;
+    require((vdna_emd_scratch_size(UINT32_MAX) == 0) == narrow, "vdna_emd_scratch_size");
+    require((vdna_hist_mem_size(&hist) == 0) == narrow, "vdna_hist_mem_size");
+    require((vdna_window_mem_size(&window) == 0) == narrow, "vdna_window_mem_size");
+    /* Elsewhere this tap is 16 GB, which the check would read. */
+    if (narrow)
+        require(vdna_activations_check(&tap, 1, 65536) == VDNA_ERR_ARG, "vdna_activations_check");
+}
+
 int main(int argc, char **argv)
 {
     require(argc == 2 && (argv[1][0] == '1' || argv[1][0] == '2'), "portable THREADS");
@@ -450,5 +474,6 @@ int main(int argc, char **argv)
     count_edges(1000);
     meet_the_bound();
     find_neighbours();
+    refuse_what_cannot_be_addressed();
     return 0;
 }

@@ -316,7 +316,7 @@ def main():
 
     failed = 0
     for build, output in zip(BUILDS, outputs):
-        name = " ".join([build.compiler] + build.flags + ([build.emulator] if build.emulator else []))
+        name = " ".join(filter(None, [build.compiler, *build.flags, build.emulator]))
         for threads, lines in enumerate(output or [], 1):
             difference = first_difference(lines, wanted)
             failed += difference is not None

@@ -1,3 +1,4 @@
+#include <float.h>
 #include <math.h>
 #include <string.h>
 #include <vdna/hist.h>
@@ -73,6 +74,116 @@ static void values_beyond_the_range_land_in_an_edge_bin_and_are_counted_as_satur
     assert_int_equal(hist.counts[3 * NEURONS + 1], 2);
     assert_int_equal(hist.saturated[0], 2);
     assert_int_equal(hist.saturated[1], 1);
+}
+
+/* The definition of a bin, once more. */
+static uint32_t defined_bin(float value, float lo, float hi, uint32_t bins)
+{
+    const double mid = ((double)lo + hi) / 2, half = ((double)hi - lo) / 2;
+    double x = (value - mid) / half;
+    x = x < -1 ? -1 : x > 1 ? 1 : x;
+    const double place = (x + 1) * bins / 2;
+    return place < bins ? (uint32_t)place : bins - 1;
+}
+
+/* Count samples of one neuron in the given layout and compare every count. */
+static void assert_counted_as_defined(const float *values, uint32_t samples, uint32_t layout,
+                                      const float *lo_hi, uint32_t bins)
+{
+    static uint32_t mem[VDNA_HIST_BINS_MAX + 2], expected[VDNA_HIST_BINS_MAX];
+    vdna_hist_config config;
+    vdna_hist_config_init(&config);
+    config.neurons = 1;
+    config.bins = bins;
+    config.range = lo_hi;
+    vdna_hist hist;
+    assert_int_equal(vdna_hist_init(&config, mem, sizeof mem, &hist), VDNA_OK);
+    const vdna_activations tap = {values, 1, samples, layout};
+    assert_int_equal(vdna_hist_add(&hist, &tap, 1), VDNA_OK);
+
+    memset(expected, 0, sizeof expected);
+    uint32_t beyond = 0;
+    for (uint32_t s = 0; s < samples; s++) {
+        expected[defined_bin(values[s], lo_hi[0], lo_hi[1], bins)]++;
+        const double mid = ((double)lo_hi[0] + lo_hi[1]) / 2;
+        beyond += fabs((values[s] - mid) / (((double)lo_hi[1] - lo_hi[0]) / 2)) > 1;
+    }
+    assert_memory_equal(hist.counts, expected, bins * sizeof *expected);
+    assert_int_equal(hist.saturated[0], beyond);
+}
+
+/* Counting estimates in single precision and asks the definition near the edges: two floats to
+ * either side of each edge, where an estimate may be wrong, and the middles, where it may not. */
+static void values_around_every_edge_are_counted_as_defined(void **state)
+{
+    (void)state;
+    enum { AROUND = 6 };
+    static float values[(VDNA_HIST_BINS_MAX + 1) * AROUND];
+    const float ranges[][2] = {{-1, 1},
+                               {0, 1},
+                               {0.1f, 0.7f},
+                               {-3, 1e-3f},
+                               {1e6f, 1000001},
+                               {16777216, 16777218},
+                               {-FLT_MAX, FLT_MAX},
+                               {1e-44f, 1e-40f},
+                               {0, 1e-45f},
+                               {1, FLT_MAX},
+                               {-1e38f, 2.4e38f},
+                               {-1e-30f, 0},
+                               {3e-31f, 1e-29f}};
+    const uint32_t some_bins[] = {2, 3, 1000, 1023, VDNA_HIST_BINS_MAX};
+    for (size_t r = 0; r < sizeof ranges / sizeof *ranges; r++)
+        for (size_t i = 0; i < sizeof some_bins / sizeof *some_bins; i++) {
+            const uint32_t bins = some_bins[i];
+            const double lo = ranges[r][0], width = (double)ranges[r][1] - lo;
+            float *next = values;
+            for (uint32_t b = 0; b <= bins; b++) {
+                const float edge = (float)(lo + width * b / bins);
+                const float below = nextafterf(edge, -FLT_MAX), above = nextafterf(edge, FLT_MAX);
+                *next++ = nextafterf(below, -FLT_MAX);
+                *next++ = below;
+                *next++ = edge;
+                *next++ = above;
+                *next++ = nextafterf(above, FLT_MAX);
+                *next++ = (float)(lo + width * (b < bins ? b + 0.5 : b) / bins);
+            }
+            const uint32_t samples = (uint32_t)(next - values);
+            for (uint32_t layout = 0; layout < 2; layout++)
+                assert_counted_as_defined(values, samples, layout, ranges[r], bins);
+        }
+}
+
+/* More neurons than are estimated at a time, and a number that is no multiple of that. */
+static void wide_taps_are_counted_neuron_by_neuron(void **state)
+{
+    (void)state;
+    enum { WIDE = 75, SAMPLES = 3 };
+    static float values[WIDE * SAMPLES], range[2 * WIDE];
+    static uint32_t mem[WIDE * (BINS + 2)];
+    for (uint32_t n = 0; n < WIDE; n++) {
+        range[2 * n] = (float)n;
+        range[2 * n + 1] = (float)n + 4;
+        for (uint32_t s = 0; s < SAMPLES; s++)
+            values[s * WIDE + n] = (float)(n + (n + s) % 6) - 0.5f;
+    }
+    vdna_hist_config config = small_config();
+    config.neurons = WIDE;
+    config.range = range;
+    vdna_hist hist;
+    assert_int_equal(vdna_hist_init(&config, mem, sizeof mem, &hist), VDNA_OK);
+    const vdna_activations tap = {values, WIDE, SAMPLES, VDNA_LAYOUT_SAMPLES_NEURONS};
+    assert_int_equal(vdna_hist_add(&hist, &tap, 1), VDNA_OK);
+    for (uint32_t n = 0; n < WIDE; n++) {
+        uint32_t expected[BINS] = {0}, beyond = 0;
+        for (uint32_t s = 0; s < SAMPLES; s++) {
+            expected[defined_bin(values[s * WIDE + n], range[2 * n], range[2 * n + 1], BINS)]++;
+            beyond += (n + s) % 6 == 0 || (n + s) % 6 == 5;
+        }
+        for (uint32_t b = 0; b < BINS; b++)
+            assert_int_equal(hist.counts[b * WIDE + n], expected[b]);
+        assert_int_equal(hist.saturated[n], beyond);
+    }
 }
 
 static void counts_are_bin_major_with_a_mass_per_neuron(void **state)
@@ -244,6 +355,37 @@ static void histograms_of_other_ranges_or_shapes_do_not_merge(void **state)
     assert_int_equal(vdna_hist_merge(&a, NULL), VDNA_ERR_ARG);
 }
 
+static void histograms_compare_if_shape_and_range_agree_and_no_neuron_is_empty(void **state)
+{
+    (void)state;
+    const float same_ranges[2 * NEURONS] = {-1, 1, 0, 20}, others[2 * NEURONS] = {-1, 1, 0, 21};
+    uint32_t mem_a[WORDS], mem_b[WORDS];
+    vdna_hist a = small_hist(mem_a), b = small_hist(mem_b);
+    add_pair(&a, 0, 1);
+    vdna_hist_view p, q;
+    vdna_hist_view_of(&a, &p);
+    vdna_hist_view_of(&b, &q);
+    assert_int_equal(vdna_hist_view_check_pair(&p, &p), VDNA_OK);
+    assert_int_equal(vdna_hist_view_check_pair(&p, &q), VDNA_ERR_EMPTY);
+    assert_int_equal(vdna_hist_view_check_pair(&q, &p), VDNA_ERR_EMPTY);
+    add_pair(&b, 1, 0);
+    q.range = same_ranges;
+    assert_int_equal(vdna_hist_view_check_pair(&p, &q), VDNA_OK);
+    q.range = others;
+    assert_int_equal(vdna_hist_view_check_pair(&p, &q), VDNA_ERR_MISMATCH);
+    q = p;
+    q.bins = BINS - 1;
+    assert_int_equal(vdna_hist_view_check_pair(&p, &q), VDNA_ERR_MISMATCH);
+    q = p;
+    q.neurons = 0;
+    assert_int_equal(vdna_hist_view_check_pair(&p, &q), VDNA_ERR_ARG);
+    q = p;
+    q.bins = VDNA_HIST_BINS_MAX + 1;
+    assert_int_equal(vdna_hist_view_check_pair(&q, &p), VDNA_ERR_ARG);
+    assert_int_equal(vdna_hist_view_check_pair(&p, NULL), VDNA_ERR_ARG);
+    assert_int_equal(vdna_hist_view_check_pair(NULL, &p), VDNA_ERR_ARG);
+}
+
 static void the_block_may_not_be_a_byte_too_small_nor_misaligned(void **state)
 {
     (void)state;
@@ -302,6 +444,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bins_are_half_open_and_the_last_is_closed),
         cmocka_unit_test(values_beyond_the_range_land_in_an_edge_bin_and_are_counted_as_saturated),
+        cmocka_unit_test(values_around_every_edge_are_counted_as_defined),
+        cmocka_unit_test(wide_taps_are_counted_neuron_by_neuron),
         cmocka_unit_test(counts_are_bin_major_with_a_mass_per_neuron),
         cmocka_unit_test(both_layouts_count_the_same),
         cmocka_unit_test(taps_of_different_sample_counts_share_a_histogram),
@@ -313,6 +457,7 @@ int main(void)
         cmocka_unit_test(subtracting_what_was_never_added_changes_nothing),
         cmocka_unit_test(merging_past_the_largest_mass_is_refused),
         cmocka_unit_test(histograms_of_other_ranges_or_shapes_do_not_merge),
+        cmocka_unit_test(histograms_compare_if_shape_and_range_agree_and_no_neuron_is_empty),
         cmocka_unit_test(the_block_may_not_be_a_byte_too_small_nor_misaligned),
         cmocka_unit_test(bad_shapes_have_no_size),
         cmocka_unit_test(a_range_without_width_is_refused),

@@ -425,7 +425,7 @@ static void a_header_that_is_no_json_of_safetensors_is_refused(void **state)
         "{\"__metadata__\":{\"a\":\"\\ud83d\"}}",
         "{\"__metadata__\":{\"a\":\"\\ude00\\ud83d\"}}",
         "{\"__metadata__\":{\"a\":\"\\ud83d.ude00\"}}",
-        "{\"__metadata__\":{\"a\":\"\\ud83d\\nude00\"}}",
+        "{\"__metadata__\":{\"a\":\"\\ud83d\\nde00\"}}",
         "{\"__metadata__\":{\"a\":\"\\ud83d\\ue000\"}}",
         "{\"__metadata__\":{\"a\":\"\x80\"}}",
         "{\"__metadata__\":{\"a\":\"\xC0\xAF\"}}",

@@ -269,7 +269,7 @@ static void progress_runs_from_zero_to_one(void **state)
     feed(&select, 600, 1, 0);
     assert_true(vdna_select_progress(&select) == 0.5);
 
-    /* Never beyond 1, though doubles do not hold the difference of these times. */
+    /* Frames of the window are less than T after its first, so that 1 is never passed. */
     select = selector(by_time(INT64_MAX));
     feed(&select, 0, 1, 0);
     feed(&select, INT64_MAX - 1, 1, 0);

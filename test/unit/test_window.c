@@ -181,18 +181,17 @@ static void a_refused_frame_changes_nothing(void **state)
 static void taps_of_the_same_total_but_another_division_are_refused(void **state)
 {
     (void)state;
-    const float ranges[] = {0, 4, 0, 4, 0, 4}, values[] = {1, 2};
-    const vdna_activations small_first[] = {{values, 1, 1, 0}, {values, 2, 1, 0}};
-    const vdna_activations large_first[] = {{values, 2, 1, 0}, {values, 1, 1, 0}};
-    const vdna_activations one = {ranges, 3, 1, 0};
+    const float ranges[] = {0, 4, 0, 4, 0, 4}, values[] = {1, 2, 3};
+    const vdna_activations two[] = {{values, 1, 1, 0}, {values, 2, 1, 0}}, one = {values, 3, 1, 0};
+    const vdna_activations swapped[] = {two[1], two[0]};
     vdna_window_config config = by_frames(2);
-    config.taps = small_first;
+    config.taps = two;
     config.tap_count = 2;
     config.range = ranges;
     vdna_window window = window_of(config);
     assert_int_equal(vdna_window_add(&window, 0, &one, 1), VDNA_ERR_MISMATCH);
-    assert_int_equal(vdna_window_add(&window, 0, large_first, 2), VDNA_ERR_MISMATCH);
-    assert_int_equal(vdna_window_add(&window, 0, small_first, 2), VDNA_OK);
+    assert_int_equal(vdna_window_add(&window, 0, swapped, 2), VDNA_ERR_MISMATCH);
+    assert_int_equal(vdna_window_add(&window, 0, two, 2), VDNA_OK);
 }
 
 static void a_reset_window_is_empty_and_keeps_its_counters(void **state)
@@ -224,7 +223,6 @@ static void the_block_may_not_be_a_byte_too_small_nor_misaligned(void **state)
     assert_int_equal(vdna_window_init(&config, (char *)block + 4, size, &window), VDNA_ERR_ARG);
     assert_int_equal(vdna_window_init(&config, NULL, size, &window), VDNA_ERR_ARG);
     assert_int_equal(vdna_window_init(&config, block, size, NULL), VDNA_ERR_ARG);
-    assert_int_equal(vdna_window_init(NULL, block, size, &window), VDNA_ERR_ARG);
     assert_int_equal(vdna_window_init(&config, block, size, &window), VDNA_OK);
 }
 
@@ -250,6 +248,8 @@ static void bad_configs_have_no_size(void **state)
     config.struct_size = 0;
     assert_int_equal(vdna_window_mem_size(&config), 0);
     assert_int_equal(vdna_window_mem_size(NULL), 0);
+    vdna_window window;
+    assert_int_equal(vdna_window_init(NULL, block, sizeof block, &window), VDNA_ERR_ARG);
 }
 
 static void a_range_without_width_is_refused(void **state)
@@ -262,27 +262,21 @@ static void a_range_without_width_is_refused(void **state)
     assert_int_equal(vdna_window_init(&config, block, sizeof block, &window), VDNA_ERR_ARG);
 }
 
-static void a_capacity_whose_mass_cannot_be_counted_is_refused(void **state)
+static void a_capacity_that_cannot_be_counted_or_addressed_is_refused(void **state)
 {
     (void)state;
     const vdna_activations many[] = {{NULL, 1, 65536, 0}};
     vdna_window_config config = by_frames(65535);
     config.taps = many;
-    assert_true(vdna_window_mem_size(&config) > 65536u * 65535 * 2);
+    /* As many as can be counted; 8 GB, which not every size_t can say. */
+    if (SIZE_MAX > UINT32_MAX)
+        assert_true(vdna_window_mem_size(&config) > (uint64_t)65536 * 65535 * 2);
     config.capacity = 65536;
     assert_int_equal(vdna_window_mem_size(&config), 0);
-}
 
-static void more_samples_than_memory_can_hold_are_refused(void **state)
-{
-    (void)state;
-    const vdna_activations huge[] = {{NULL, 1u << 30, 1u << 30, 0}};
-    vdna_window_config config = by_frames(1);
-    config.taps = huge;
-    config.tap_count = 1;
-    if (SIZE_MAX > UINT32_MAX)
-        assert_true(vdna_window_mem_size(&config) > 1u << 31);
-    config.capacity = 2;
+    const vdna_activations beyond_memory[] = {{NULL, 1u << 30, 1u << 31, 0}};
+    config = by_frames(1);
+    config.taps = beyond_memory;
     assert_int_equal(vdna_window_mem_size(&config), 0);
 }
 
@@ -453,8 +447,7 @@ int main(void)
         cmocka_unit_test(the_block_may_not_be_a_byte_too_small_nor_misaligned),
         cmocka_unit_test(bad_configs_have_no_size),
         cmocka_unit_test(a_range_without_width_is_refused),
-        cmocka_unit_test(a_capacity_whose_mass_cannot_be_counted_is_refused),
-        cmocka_unit_test(more_samples_than_memory_can_hold_are_refused),
+        cmocka_unit_test(a_capacity_that_cannot_be_counted_or_addressed_is_refused),
         cmocka_unit_test(defaults_are_by_frames_with_a_thousand_bins),
         cmocka_unit_test(after_a_million_frames_it_equals_recomputation_by_frames),
         cmocka_unit_test(after_a_million_frames_it_equals_recomputation_by_time),

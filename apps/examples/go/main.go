@@ -1,6 +1,6 @@
 // rank: which of three drives looks most like now? As ../rank.c, and it prints the same bytes.
 //
-//	go run .      # libvdna not installed: set CGO_CFLAGS=-I..., CGO_LDFLAGS=-L... and LD_LIBRARY_PATH
+//	go run .    # libvdna not installed: with CGO_CFLAGS=-I..., CGO_LDFLAGS=-L..., LD_LIBRARY_PATH
 package main
 
 import (
@@ -29,8 +29,8 @@ var (
 	now        = drive{"now", 4, 0.3125}
 )
 
-// eachFrame calls f with the activations of each frame, [samples][neurons]. Each number is the upper
-// half of x = 1664525 x + 1013904223 (mod 2^32), divided by 2^16: exact in any language.
+// eachFrame calls f with the activations of each frame, [samples][neurons]. Each number is the
+// upper half of x = 1664525 x + 1013904223 (mod 2^32), divided by 2^16: exact in any language.
 func (d drive) eachFrame(f func(values []float32) error) error {
 	x := d.seed
 	values := make([]float32, samples*neurons)

@@ -40,8 +40,8 @@ typedef struct vdna_window_config {
  *  them. */
 typedef struct vdna_window {
     vdna_window_config config; /**< as it was given */
-    vdna_hist hist;            /**< of the frames in the window, `hist.frames` of them; for
-                                    vdna_hist_view_of() and vdna_hist_merge() */
+    vdna_hist hist;            /**< of the frames in the window, `hist.frames` of them; look
+                                    at it with vdna_hist_view_of() */
     int64_t *utime;            /**< [capacity], private */
     uint16_t *slots;           /**< [capacity][frame_values], private */
     size_t frame_values;       /**< activations of one frame, all taps together */

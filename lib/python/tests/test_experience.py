@@ -130,7 +130,12 @@ def test_lengths_that_c_would_trust_are_checked(changes):
 
 
 def test_wrong_types_are_refused(tmp_path):
-    for changes in ({"frame_utime": [1.5, 2.5]}, {"histogram": None}, {"embeddings": "text"}):
+    for changes in (
+        {"frame_utime": [1.5, 2.5]},
+        {"histogram": None},
+        {"embeddings": "text"},
+        {"name": 1},
+    ):
         with pytest.raises(TypeError):
             small_experience(**changes)
     with pytest.raises(TypeError):

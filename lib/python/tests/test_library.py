@@ -1,6 +1,7 @@
 """What the package says of C agrees with C; errors carry status and text; the wheel is complete."""
 
 import ctypes
+import importlib.metadata
 import os
 import pathlib
 import pickle
@@ -97,6 +98,12 @@ def test_the_library_needs_libc_only_and_shows_its_own_symbols_only():
     assert [name for name in names if not name.startswith("vdna_")] == []
 
 
-def test_the_wheel_has_its_types_and_licences():
-    for name in ("py.typed", "LICENSE"):
-        assert (PACKAGE / name).is_file(), name
+def test_the_wheel_has_its_library_types_and_licence_and_nothing_else():
+    files = importlib.metadata.files("libvdna")
+    folders = {file.parts[0] for file in files}
+    assert folders == {"libvdna", f"libvdna-{libvdna.__version__}.dist-info"}
+    others = {
+        file.name for file in files if file.parts[0] == "libvdna" and file.suffix[:3] != ".py"
+    }
+    # libmd's licence is there where Debian's package of it is.
+    assert others - {"LICENSE.libmd"} == {"LICENSE", "libvdna.so", "py.typed"}

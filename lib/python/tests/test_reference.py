@@ -1,5 +1,6 @@
 """VDNAs of the reference package. tests/reference/ was made by it; see make_reference.py."""
 
+import dataclasses
 import json
 import pathlib
 import shutil
@@ -104,6 +105,14 @@ def test_an_odd_range_survives_to_the_last_bit(tmp_path, random):
     assert ReferenceVdna.load(tmp_path / "odd").histogram.range.tobytes() == range.tobytes()
 
 
+def test_a_new_histogram_may_take_the_place_of_one_that_was_read(tmp_path):
+    histogram = HistogramView([[-1, 1]] * 8, np.ones((30, 8), int))
+    vdna = dataclasses.replace(ReferenceVdna.load(SUMMER), histogram=histogram)
+    vdna.save(tmp_path / "new")
+    assert json.loads((tmp_path / "new.json").read_text())["name"] == "histogram-30"
+    assert ReferenceVdna.load(tmp_path / "new").histogram.bins == 30
+
+
 def test_gaussians_are_refused():
     with pytest.raises(ValueError, match="its type is 'gaussian', only a 'histogram' has counts"):
         ReferenceVdna.load(GOLDEN / "summer-gaussian")
@@ -119,6 +128,7 @@ def test_gaussians_are_refused():
         ({"distribution": {}}, "there is no 'hist_nb_bins'"),
         ({"extraction_settings": {}}, "there is no 'hist_range'"),
         ({"num_images": "six"}, "num_images is 'six'"),
+        ({"libvdna_range": [[1, 0]] * 8}, "vdna_range_check"),
         ({"libvdna_range": [[0, 1]]}, r"expected \[bins\]\[1\]"),
     ],
 )

@@ -1,6 +1,6 @@
 //! rank: which of three drives looks most like now? As ../rank.c, and it prints the same bytes.
 //!
-//!     cargo run      # libvdna not installed: RUSTFLAGS=-L/lib/of/vdna LD_LIBRARY_PATH=/lib/of/vdna
+//!     cargo run    # libvdna not installed: with RUSTFLAGS=-L..., LD_LIBRARY_PATH
 
 mod vdna;
 

@@ -24,7 +24,7 @@ def _path(path: Path) -> bytes:
 
 
 def _text(value: str, what: str, capacity: int) -> bytes:
-    text = value.encode()
+    text = str.encode(value)
     if b"\0" in text or len(text) >= capacity:
         raise ValueError(f"{what} is {value!r}, expected at most {capacity - 1} bytes without NUL")
     return text
@@ -190,7 +190,7 @@ class Experience:
 
     @property
     def taps(self) -> str:
-        """ "NAME:NEURONS:SAMPLES[,...]" in the order of the histogram's neurons."""
+        """NAME:NEURONS:SAMPLES[,...] in the order of the histogram's neurons."""
         return str(self._file.taps.decode())
 
     @property

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import shaped
-from ._library import version
+from ._library import VdnaError, version
 from .experience import Experience
 from .histogram import HistogramView
 
@@ -33,7 +33,15 @@ _RANGE_KEY = "libvdna_range"
 _INT32_MAX = 2**31 - 1
 
 # What parsing a damaged file may raise.
-_DAMAGED = (ValueError, TypeError, KeyError, EOFError, zipfile.BadZipFile, zlib.error)
+_DAMAGED = (
+    ValueError,
+    TypeError,
+    KeyError,
+    EOFError,
+    VdnaError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
 
 # How the package makes its histograms.
 _EXTRACTION_SETTINGS = {
@@ -46,7 +54,12 @@ _EXTRACTION_SETTINGS = {
 
 @dataclass(frozen=True)
 class ReferenceVdna:
-    """A histogram VDNA as the reference package loads and saves it."""
+    """A histogram VDNA as the reference package loads and saves it.
+
+    To write a Histogram:
+
+        ReferenceVdna({"block_11": 768}, histogram, histogram.frames, "net").save(path)
+    """
 
     layers: Dict[str, int]
     """Name and number of neurons of each layer, in the order of the histogram's neurons."""
@@ -125,20 +138,20 @@ class ReferenceVdna:
         json_path.write_text(json.dumps(self._new_metadata(), indent=4), encoding="utf-8")
 
     def _new_metadata(self) -> Dict[str, Any]:
-        bins, settings = self.histogram.bins, _EXTRACTION_SETTINGS
+        bins = self.histogram.bins
         metadata = {
-            "time_of_compute": "unknown",
-            "vdna_version": f"libvdna {version()}",
+            **self.metadata,
             "distribution": {"hist_nb_bins": bins},
             "type": "histogram",
             "name": f"histogram-{bins}",
-            "data_settings": {"source": "unknown"},
-            "extraction_settings": {**settings, "hist_nb_bins": bins},
-            **self.metadata,
             "num_images": self.num_images,
             "feature_extractor_name": self.feature_extractor_name,
             "neurons_list": self.layers,
         }
+        # What the package expects besides.
+        metadata.setdefault("vdna_version", f"libvdna {version()}")
+        metadata.setdefault("data_settings", {"source": "unknown"})
+        metadata.setdefault("extraction_settings", {**_EXTRACTION_SETTINGS, "hist_nb_bins": bins})
         if np.array_equal(self.histogram.range, _hist_range(metadata, self.layers)):
             metadata.pop(_RANGE_KEY, None)
         else:
