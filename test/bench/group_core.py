@@ -15,6 +15,7 @@ def run(context):
     small = context.tiny
     for neurons, samples in [(16, 3)] if small else [(128, 1), (768, 197), (1280, 1)]:
         yield histogram(context, neurons, samples)
+        yield window(context, neurons, samples)
     for neurons in [16] if small else [128, 768, 9984]:
         for count in [2] if small else [4, 100, 1000]:
             if neurons * count < 3e6 or not context.quick:
@@ -26,15 +27,30 @@ def run(context):
             yield frechet(context, dim, frames)
 
 
+def activations(neurons, samples):
+    """A frame of one tap, ranges that hold it, and how many make a round."""
+    frame = np.random.default_rng(1).normal(size=(samples, neurons)).astype(np.float32)
+    return frame, np.tile(np.float32([-4, 4]), (neurons, 1)), max(1, 400_000 // frame.size)
+
+
+def window(context, neurons, samples):
+    """Count frames in a full window, where each also takes one out."""
+    from libvdna import Histogram
+    from libvdna.activations import Taps
+    frame, ranges, frames = activations(neurons, samples)
+    table, taps = Histogram(ranges, BINS), Taps([frame])
+    add = context.library.window(ranges, taps, 4)
+    peers = {"counting alone": lambda: context.library.hist_add(table, taps, frames)}
+    timed = scaled(compare(lambda: add(frames), peers, context.seconds), frames)
+    return f"window {neurons}x{samples}", "ns/activation", 1e9 / frame.size, timed, {}
+
+
 def histogram(context, neurons, samples):
     """Count frames of one tap."""
     from libvdna import Histogram
     from libvdna.activations import Taps
-    random = np.random.default_rng(1)
-    frame = random.normal(size=(samples, neurons)).astype(np.float32)
-    ranges = np.tile(np.float32([-4, 4]), (neurons, 1))
+    frame, ranges, frames = activations(neurons, samples)
     table, taps = Histogram(ranges, BINS), Taps([frame])
-    frames = max(1, 400_000 // frame.size)
     library = context.library
 
     def ours():

@@ -11,6 +11,46 @@ vdna_status bench_hist_add(vdna_hist *hist, const vdna_activations *tap, size_t 
     return status;
 }
 
+static vdna_window_config window_config(const vdna_activations *tap, const float *range,
+                                        uint32_t capacity)
+{
+    vdna_window_config config;
+    vdna_window_config_init(&config);
+    config.capacity = capacity;
+    config.taps = tap;
+    config.tap_count = 1;
+    config.range = range;
+    return config;
+}
+
+/* The struct in front of its block, which must stay aligned. */
+enum { WINDOW_STRUCT = (sizeof(vdna_window) + 7) / 8 * 8 };
+
+/* see loops.h */
+size_t bench_window_size(const vdna_activations *tap, const float *range, uint32_t capacity)
+{
+    const vdna_window_config config = window_config(tap, range, capacity);
+    return WINDOW_STRUCT + vdna_window_mem_size(&config);
+}
+
+/* see loops.h */
+vdna_status bench_window_init(const vdna_activations *tap, const float *range, uint32_t capacity,
+                              void *mem, size_t size)
+{
+    const vdna_window_config config = window_config(tap, range, capacity);
+    return vdna_window_init(&config, (unsigned char *)mem + WINDOW_STRUCT, size - WINDOW_STRUCT,
+                            mem);
+}
+
+/* see loops.h */
+vdna_status bench_window_add(void *mem, const vdna_activations *tap, size_t frames)
+{
+    vdna_status status = VDNA_OK;
+    for (size_t i = 0; i < frames && status == VDNA_OK; i++)
+        status = vdna_window_add(mem, 0, tap, 1);
+    return status;
+}
+
 /* see loops.h */
 uint64_t bench_read(const uint64_t *words, size_t count, size_t times)
 {

@@ -2,10 +2,21 @@
 #ifndef VDNA_BENCH_LOOPS_H
 #define VDNA_BENCH_LOOPS_H
 
-#include <vdna/hist.h>
+#include <vdna/window.h>
 
 /** Count the same frame `frames` times. */
 VDNA_API vdna_status bench_hist_add(vdna_hist *hist, const vdna_activations *tap, size_t frames);
+
+/** Bytes for a window of `capacity` frames like `tap`, its struct in front. */
+VDNA_API size_t bench_window_size(const vdna_activations *tap, const float *range,
+                                  uint32_t capacity);
+
+/** Make an empty window in `mem`, which holds bench_window_size() bytes. */
+VDNA_API vdna_status bench_window_init(const vdna_activations *tap, const float *range,
+                                       uint32_t capacity, void *mem, size_t size);
+
+/** Add the same frame `frames` times to the window in `mem`. */
+VDNA_API vdna_status bench_window_add(void *mem, const vdna_activations *tap, size_t frames);
 
 /** Read `count` words `times` times.
  *  @return a number that depends on every word, so that no read is left out */

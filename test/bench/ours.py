@@ -32,6 +32,20 @@ class Library:
         """Count the frame `taps` (activations.Taps) so many times."""
         self._require(self._bench.bench_hist_add(byref(histogram._hist), taps.array, frames))
 
+    def window(self, ranges, taps, capacity):
+        """A window of frames like `taps`: a function that adds them so many times."""
+        import numpy as np
+        bench, tap = self._bench, taps.array
+        bench.bench_window_size.restype = c_size_t
+        shape = tap, ranges.ctypes.data_as(c_void_p), c_uint32(capacity)
+        mem = np.zeros(bench.bench_window_size(*shape) // 8 + 1, np.int64)
+        address = mem.ctypes.data_as(c_void_p)
+        self._require(bench.bench_window_init(*shape, address, c_size_t(mem.nbytes)))
+
+        def add(frames, _keep=(mem, ranges, taps)):
+            self._require(bench.bench_window_add(address, tap, c_size_t(frames)))
+        return add
+
     def emd_neuron_major(self, p, q, mass_p, mass_q):
         """Distance of counts laid out [neurons][bins]."""
         return self._bench.bench_emd_neuron_major(p.ctypes.data, q.ctypes.data, *p.shape, mass_p,
