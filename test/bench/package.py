@@ -1,10 +1,10 @@
 """The reference package on the same pictures and the same network, in PyTorch."""
+import statistics
 import sys
 import time
 from pathlib import Path
 
 GOLDEN = Path(__file__).resolve().parents[1] / "golden"
-BATCHES = (1, 8, 32)
 
 
 def torch_network(torch, name):
@@ -50,7 +50,7 @@ class Package:
         self._extractor = Extractor(network, settings, ranges)
         self._data_settings = DataSettings
 
-    def seconds(self, files, batch):
+    def _seconds(self, files, batch):
         """How long it takes to count these pictures."""
         from vdna.vdnas import get_vdna
         self._extractor.extraction_settings.batch_size = batch
@@ -60,7 +60,9 @@ class Package:
                                                            shuffle_files=False))
         return time.perf_counter() - begin
 
-    def best_batch(self, files):
-        """The fastest batch size."""
-        self.seconds(files[:1], 1)
-        return min(BATCHES, key=lambda batch: self.seconds(files, batch) )
+    def best(self, files, batches, times):
+        """(seconds for a picture at the fastest batch size, that size)"""
+        self._seconds(files[:1], 1)
+        batch = min(batches, key=lambda size: self._seconds(files, size))
+        return statistics.median(self._seconds(files, batch)
+                                 for _ in range(times)) / len(files), batch
