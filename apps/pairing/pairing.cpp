@@ -7,12 +7,14 @@
 namespace vdna
 {
 
-Backbone::Backbone(const std::string &manifest, uint32_t threads, const std::string &runtime)
+Backbone::Backbone(const std::string &manifest, uint32_t threads, const std::string &runtime,
+                   uint32_t max_pixels)
 {
     vdna_backbone_config config;
     vdna_backbone_config_init(&config);
     config.manifest = manifest.c_str();
     config.threads = threads;
+    config.max_pixels = max_pixels;
     config.runtime = runtime.empty() ? nullptr : runtime.c_str();
     vdna_error error{};
     require(vdna_backbone_open(&config, &error, &handle_), error);

@@ -16,8 +16,9 @@ namespace vdna
 class Backbone
 {
   public:
-    // manifest: as vdna_backbone_config; runtime: "" = found by itself. Throws Error.
-    Backbone(const std::string &manifest, uint32_t threads, const std::string &runtime = "");
+    // manifest, max_pixels: as vdna_backbone_config; runtime: "" = found by itself. Throws Error.
+    Backbone(const std::string &manifest, uint32_t threads, const std::string &runtime = "",
+             uint32_t max_pixels = VDNA_IMAGE_PIXELS_MAX);
     ~Backbone();
     Backbone(const Backbone &) = delete;
     Backbone &operator=(const Backbone &) = delete;

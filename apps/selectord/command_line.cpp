@@ -23,12 +23,15 @@ const char *const footer = R"(
 Camera frames (bot_core.image_t) come in over LCM. The first ones are compared with the Visual DNA
 of every experience of the map; the nearest experience is chosen and later frames are localised in
 it. Answers go out on the channels of the [lcm] section; see --print-config for all settings.
+Memory is fixed before it runs: --print-memory states it, [memory] budget_mb limits it; [cpu] says
+where it runs.
 
 Prints "READY ..." on standard output when it listens, events on standard error.
 SIGTERM and SIGINT end it at once; `vdna command reset` makes it choose anew.
 
 Exit codes: 0 stopped by a signal, or --check found no fault; 1 the map, the network or the LCM
-connection cannot be used; 2 the command line or the configuration file is wrong.
+connection cannot be used, or the system does not give the memory or the processors that are asked
+for; 2 the command line or the configuration file is wrong.
 
 Example: vdna_selectord --map ~/maps/campus --warmup-frames 50 -l udpm://239.255.76.67:7667?ttl=0)";
 
@@ -69,6 +72,10 @@ void describe(CLI::App &app, Options &options, Invocation &invocation)
                  "Print the settings in force as TOML and exit");
     app.add_flag("--check", invocation.check,
                  "Open the map and the network, say whether they fit, and exit");
+    CLI::Option *memory =
+        app.add_flag("--print-memory", invocation.print_memory,
+                     "Open them as well, state all memory that will be held, and exit");
+    app.add_flag("--json", invocation.json, "With --print-memory: as JSON")->needs(memory);
     app.set_version_flag("--version", std::string("vdna_selectord ") + vdna_version());
     app.footer(footer);
 }

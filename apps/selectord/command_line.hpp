@@ -13,6 +13,8 @@ struct Invocation {
     Config config; // defaults, overridden by the file, overridden by options
     bool print_config = false;
     bool check = false;
+    bool print_memory = false;
+    bool json = false; // with print_memory
 };
 
 // Nothing if --help or --version was asked for and has been answered. Throws Error.

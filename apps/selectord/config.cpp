@@ -10,6 +10,7 @@
 #include <variant>
 
 #include <toml++/toml.h>
+#include <vdna/image.h>
 
 #include "error.hpp"
 
@@ -19,9 +20,11 @@ namespace vdna
 namespace
 {
 
-using Member = std::variant<std::string Config::*, uint32_t Config::*, double Config::*>;
+using Member = std::variant<std::string Config::*, uint32_t Config::*, int32_t Config::*,
+                            double Config::*, bool Config::*>;
 
-// One key of the file. The limits are those of the number, or of the text's length in bytes.
+// One key of the file. The limits are those of the number, or of the text's length in bytes; a
+// truth value has none.
 struct Setting {
     const char *section;
     const char *key;
@@ -33,8 +36,10 @@ struct Setting {
 constexpr double path_max = 4095, channel_max = 63; // bytes: PATH_MAX, LCM's channel name
 constexpr double threads_max = 256;
 constexpr double image_bytes_min = 1024, image_bytes_max = 1u << 28; // LCM's largest message
+constexpr double budget_mb_max = 1u << 20;
+constexpr double nice_max = 19;
 
-const std::array<Setting, 13> settings{{
+const std::array<Setting, 18> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max},
     {"backbone", "manifest", &Config::manifest, 1, path_max},
     {"backbone", "threads", &Config::threads, 1, threads_max},
@@ -48,6 +53,11 @@ const std::array<Setting, 13> settings{{
     {"lcm", "localisation", &Config::localisation_channel, 1, channel_max},
     {"lcm", "status", &Config::status_channel, 1, channel_max},
     {"lcm", "max_image_bytes", &Config::max_image_bytes, image_bytes_min, image_bytes_max},
+    {"lcm", "max_image_pixels", &Config::max_image_pixels, 1, VDNA_IMAGE_PIXELS_MAX},
+    {"memory", "budget_mb", &Config::budget_mb, 0, budget_mb_max},
+    {"memory", "lock", &Config::lock_memory, 0, 0},
+    {"cpu", "affinity", &Config::affinity, 0, path_max},
+    {"cpu", "nice", &Config::nice, -20, nice_max},
 }};
 
 [[noreturn]] void fail(const std::string &path, const toml::source_position &at,
@@ -62,8 +72,8 @@ const std::array<Setting, 13> settings{{
 template <typename T>
 std::string toml_text(const T &value)
 {
-    using Stored =
-        std::conditional_t<std::is_same_v<T, uint32_t>, int64_t, T>; // TOML's one integer type
+    constexpr bool is_integer = std::is_integral_v<T> && !std::is_same_v<T, bool>;
+    using Stored = std::conditional_t<is_integer, int64_t, T>; // TOML's one integer type
     std::ostringstream out;
     out << toml::value<Stored>(static_cast<Stored>(value));
     return out.str();
@@ -81,10 +91,12 @@ std::string describe_found(const toml::node &node)
 
 std::string describe_expected(const Setting &setting)
 {
-    const auto whole = [](double number) { return std::to_string(static_cast<uint64_t>(number)); };
+    const auto whole = [](double number) { return std::to_string(static_cast<int64_t>(number)); };
+    if (std::holds_alternative<bool Config::*>(setting.member))
+        return "true or false";
     if (std::holds_alternative<std::string Config::*>(setting.member))
         return "a string of " + whole(setting.least) + " to " + whole(setting.most) + " bytes";
-    if (std::holds_alternative<uint32_t Config::*>(setting.member))
+    if (!std::holds_alternative<double Config::*>(setting.member))
         return "an integer from " + whole(setting.least) + " to " + whole(setting.most);
     return "a number from " + toml_text(setting.least) + " to " + toml_text(setting.most);
 }
@@ -106,13 +118,32 @@ bool take(const toml::node &node, const Setting &setting, std::string &out)
     return true;
 }
 
-bool take(const toml::node &node, const Setting &setting, uint32_t &out)
+template <typename Integer>
+bool take_integer(const toml::node &node, const Setting &setting, Integer &out)
 {
     const toml::value<int64_t> *number = node.as_integer();
     if (!number || !is_within(setting, static_cast<double>(number->get())))
         return false;
-    out = static_cast<uint32_t>(number->get());
+    out = static_cast<Integer>(number->get());
     return true;
+}
+
+bool take(const toml::node &node, const Setting &setting, uint32_t &out)
+{
+    return take_integer(node, setting, out);
+}
+
+bool take(const toml::node &node, const Setting &setting, int32_t &out)
+{
+    return take_integer(node, setting, out);
+}
+
+bool take(const toml::node &node, const Setting &, bool &out)
+{
+    const toml::value<bool> *truth = node.as_boolean();
+    if (truth)
+        out = truth->get();
+    return truth != nullptr;
 }
 
 bool take(const toml::node &node, const Setting &setting, double &out)
@@ -211,8 +242,8 @@ Config read_config(const std::string &path)
         if (!known || !node.is_table())
             fail(path, section.source().begin,
                  "unknown entry '" + std::string(section.str()) +
-                     "', expected the sections [map], [backbone], [warmup] and [lcm]; correct or "
-                     "remove it");
+                     "', expected the sections [map], [backbone], [warmup], [lcm], [memory] and "
+                     "[cpu]; correct or remove it");
         read_section(path, section, *node.as_table(), config);
     }
     settle_warmup(path, root, config);

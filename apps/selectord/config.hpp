@@ -22,7 +22,12 @@ struct Config {
     std::string ranking_channel = "VDNA_RANKING";
     std::string localisation_channel = "VDNA_LOCALISATION";
     std::string status_channel = "VDNA_STATUS";
-    uint32_t max_image_bytes = 8u << 20;
+    uint32_t max_image_bytes = 2u << 20;  // raw 640x480 in colour, or any JPEG of max_image_pixels
+    uint32_t max_image_pixels = 2u << 20; // 1920x1080
+    uint32_t budget_mb = 0;               // 2^20 bytes; 0 = no limit
+    bool lock_memory = false;
+    std::string affinity; // as taskset's: "0,2-3"; "" = all that the process was given
+    int32_t nice = 0;     // added to the niceness that the process was given
 };
 
 // Limits of a warmup; the command line shares them with the file.

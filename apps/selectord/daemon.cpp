@@ -1,5 +1,6 @@
 #include "selectord/daemon.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cinttypes>
 #include <cstdio>
@@ -57,6 +58,25 @@ Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
             " experiences: " + vdna_status_text(status) + "; rebuild the map with `vdna build`");
 }
 
+uint32_t Daemon::message_size_max() const
+{
+    return std::max(ranking_.encoded_size(), other_messages_size_max);
+}
+
+size_t Daemon::histogram_size() const
+{
+    const vdna_hist &live = select_.live;
+    const size_t numbers_per_neuron = live.bins + 2; // counts, mass, saturated
+    return numbers_per_neuron * live.neurons * sizeof(uint32_t);
+}
+
+size_t Daemon::size() const
+{
+    const size_t per_experience = sizeof(char *) + 2 * sizeof(double) + sizeof(int8_t);
+    return sizeof *this + selector_memory_.size() * sizeof selector_memory_[0] +
+           candidates_.size() * (sizeof candidates_[0] + per_experience);
+}
+
 void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
 {
     int64_t next_status_us = monotonic_us();
@@ -89,28 +109,40 @@ void Daemon::reset()
 void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame,
                     const std::atomic<bool> &stop)
 {
+    const int64_t begin_us = monotonic_us();
     vdna_backbone_frame seen;
     vdna_error error{};
     const vdna_status status = vdna_backbone_run(backbone_.get(), &frame.image, &error, &seen);
     if (stop)
         return; // a cancelled inference is not the frame's fault
 
+    Stopwatch watch;
     vdna_msg_localisation_t message =
-        status == VDNA_OK ? use(transport, frame, seen) : refuse(frame, error.text);
+        status == VDNA_OK ? use(transport, frame, seen, watch) : refuse(frame, error.text);
+    message.skipped = static_cast<int64_t>(frame.skipped);
     message.latency_us = monotonic_us() - frame.received_us;
     note_unless_sent(vdna_transport_publish_localisation(transport, &message), "a localisation");
-    if (message.validity != VDNA_MSG_LOCALISATION_T_REFUSED)
-        cost_ = {message.latency_us, seen.decode_us, seen.resize_us, seen.inference_us};
+    if (message.validity == VDNA_MSG_LOCALISATION_T_REFUSED)
+        return;
+
+    stages_.queue.add(begin_us - frame.received_us);
+    stages_.decode.add(seen.decode_us);
+    stages_.resize.add(seen.resize_us);
+    stages_.inference.add(seen.inference_us);
+    stages_.publish.add(watch.lap_us());
+    stages_.total.add(monotonic_us() - frame.received_us);
 }
 
 vdna_msg_localisation_t Daemon::use(vdna_transport *transport, const vdna_transport_frame &frame,
-                                    const vdna_backbone_frame &seen)
+                                    const vdna_backbone_frame &seen, Stopwatch &watch)
 {
     const vdna_select_frame live{frame.utime, seen.taps, seen.tap_count, seen.embedding};
     vdna_select_answer found;
     const vdna_status status = vdna_select_feed(&select_, &live, &found);
     if (status != VDNA_OK)
         return refuse(frame, vdna_status_text(status));
+    (found.newly_ranked ? stages_.rank : stages_.select).add(watch.lap_us());
+    window_frames_max_ = std::max(window_frames_max_, select_.live.frames);
 
     if (found.restarted)
         std::fprintf(stderr, "vdna_selectord: camera time ran backwards, warming up again\n");
@@ -145,9 +177,10 @@ void Daemon::publish_status(vdna_transport *transport)
                         *vdna_transport_count(transport),
                         map_.experiences(),
                         backbone_.info(),
-                        cost_,
+                        stages_,
                         refused_,
-                        memory_.bytes(),
+                        window_frames_max_,
+                        memory_.read(),
                         problems_.last()};
     const vdna_msg_status_t message = status_of(health, wall_us());
     note_unless_sent(vdna_transport_publish_status(transport, &message), "a status");

@@ -12,6 +12,7 @@
 #include "selectord/problem_log.hpp"
 #include "selectord/reports.hpp"
 #include "selectord/resident_memory.hpp"
+#include "selectord/stages.hpp"
 
 namespace vdna
 {
@@ -22,6 +23,13 @@ class Daemon
     // Allocates all that the loop needs; borrows the map and the backbone. Throws Error.
     Daemon(const Config &config, const Map &map, const Backbone &backbone);
 
+    // Bytes of the largest message that run() publishes.
+    uint32_t message_size_max() const;
+
+    // Bytes of the live histogram, and of all that this object holds.
+    size_t histogram_size() const;
+    size_t size() const;
+
     // Answer frames and commands until `stop`. Throws Error if the connection is gone.
     void run(vdna_transport *transport, const std::atomic<bool> &stop);
 
@@ -30,7 +38,7 @@ class Daemon
     void answer(vdna_transport *transport, const vdna_transport_frame &frame,
                 const std::atomic<bool> &stop);
     vdna_msg_localisation_t use(vdna_transport *transport, const vdna_transport_frame &frame,
-                                const vdna_backbone_frame &seen);
+                                const vdna_backbone_frame &seen, Stopwatch &watch);
     vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason);
     void announce_choice(vdna_transport *transport);
     void publish_status(vdna_transport *transport);
@@ -44,8 +52,9 @@ class Daemon
     RankingReport ranking_;
     ResidentMemory memory_;
     ProblemLog problems_;
-    FrameCost cost_;
+    Stages stages_;
     uint64_t refused_ = 0;
+    uint32_t window_frames_max_ = 0;
 };
 
 } // namespace vdna

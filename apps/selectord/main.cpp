@@ -12,6 +12,9 @@
 #include "pairing/pairing.hpp"
 #include "selectord/command_line.hpp"
 #include "selectord/daemon.hpp"
+#include "selectord/memory_statement.hpp"
+#include "selectord/processor.hpp"
+#include "selectord/resident_memory.hpp"
 #include "selectord/stop.hpp"
 
 namespace
@@ -25,18 +28,27 @@ const char *url_in_force(const Config &config)
     return config.url.empty() ? std::getenv("LCM_DEFAULT_URL") : config.url.c_str();
 }
 
-Connection join_network(const Config &config)
+// Borrows from `config`.
+vdna_transport_config transport_config(const Config &config, const Daemon &daemon)
 {
     vdna_transport_config transport;
     vdna_transport_config_init(&transport);
     transport.url = config.url.empty() ? nullptr : config.url.c_str();
     transport.max_image_bytes = config.max_image_bytes;
+    transport.max_message_bytes = daemon.message_size_max();
     transport.camera_channel = config.camera_channel.c_str();
     transport.command_channel = config.command_channel.c_str();
     transport.ranking_channel = config.ranking_channel.c_str();
     transport.localisation_channel = config.localisation_channel.c_str();
     transport.status_channel = config.status_channel.c_str();
-    return connect(transport);
+    return transport;
+}
+
+vdna_transport_memory memory_of(const vdna_transport_config &transport)
+{
+    vdna_transport_memory memory{};
+    vdna_transport_memory_of(&transport, &memory); // our own configuration is valid
+    return memory;
 }
 
 void say_ok(const Config &config, const Map &map, const Backbone &backbone)
@@ -48,6 +60,13 @@ void say_ok(const Config &config, const Map &map, const Backbone &backbone)
     std::cout << "OK: " << config.map_directory << ": " << all.size() << " experiences, " << frames
               << " frames; backbone " << backbone.info().name << " fits, on "
               << backbone.info().runtime << std::endl;
+}
+
+void say_large_map(const MemoryStatement &memory)
+{
+    const std::string sentence = memory.about_large_map();
+    if (!sentence.empty())
+        std::fprintf(stderr, "vdna_selectord: %s\n", sentence.c_str());
 }
 
 void say_ready(const Config &config, const Map &map, const Backbone &backbone)
@@ -70,8 +89,15 @@ ExitCode run(int argc, char **argv)
         return exit_ok;
     }
 
+    // Where and how to run: the threads that start from here on inherit it.
+    take_processors(config);
+
     // The map. A signal still ends the process by itself.
+    StartUp start_up;
+    const ResidentMemory resident;
+    start_up.program = resident.read();
     const Map map(config.map_directory);
+    start_up.map = resident.read();
 
     // One-way door: from here on a signal waits for StopOnSignal, because the backbone's threads
     // must not take it. A reader of our output that goes away ends nothing.
@@ -79,9 +105,18 @@ ExitCode run(int argc, char **argv)
     signal(SIGPIPE, SIG_IGN);
 
     // The network, and what the loop needs besides: the large allocations end here.
-    const Backbone backbone(config.manifest, config.threads, config.runtime);
+    const Backbone backbone(config.manifest, config.threads, config.runtime,
+                            config.max_image_pixels);
     map.require_backbone(backbone.info());
+    start_up.backbone = resident.read();
     Daemon daemon(config, map, backbone);
+    const vdna_transport_config transport = transport_config(config, daemon);
+    const MemoryStatement memory(config, start_up, map, backbone, daemon, memory_of(transport));
+    if (invocation->print_memory) {
+        invocation->json ? memory.print_json(std::cout) : memory.print(std::cout);
+        return exit_ok;
+    }
+    memory.require_budget();
     if (invocation->check) {
         say_ok(config, map, backbone);
         return exit_ok;
@@ -89,7 +124,10 @@ ExitCode run(int argc, char **argv)
 
     // One-way door: from here on others see us.
     const StopOnSignal stop(backbone.get());
-    const Connection connection = join_network(config);
+    const Connection connection = connect(transport);
+    if (config.lock_memory)
+        lock_memory();
+    say_large_map(memory);
     say_ready(config, map, backbone);
 
     daemon.run(connection.get(), stop.requested());

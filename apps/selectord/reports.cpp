@@ -33,6 +33,13 @@ RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone)
     message_.distance_bins = distances_.data();
     message_.tied = tied_.data();
     message_.predicted_recall = recalls_.data();
+    for (size_t i = 0; i < names_.size(); i++)
+        names_[i] = borrow(experiences_[i].name);
+}
+
+uint32_t RankingReport::encoded_size() const
+{
+    return static_cast<uint32_t>(vdna_msg_ranking_t_encoded_size(&message_));
 }
 
 const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select)
@@ -82,6 +89,54 @@ vdna_msg_localisation_t position_in(const vdna_experience &chosen, const vdna_kn
     return message;
 }
 
+namespace
+{
+
+vdna_msg_duration_t duration_of(const Durations &durations)
+{
+    vdna_msg_duration_t duration{};
+    duration.newest_us = durations.newest_us();
+    duration.p50_us = durations.percentile_us(50);
+    duration.p99_us = durations.percentile_us(99);
+    duration.max_us = durations.max_us();
+    return duration;
+}
+
+void fill_counters(const Health &health, vdna_msg_status_t &message)
+{
+    const vdna_transport_counters &counters = health.transport;
+    message.received = static_cast<int64_t>(counters.received);
+    message.processed = static_cast<int64_t>(health.select.accepted);
+    message.refused = static_cast<int64_t>(health.refused);
+    message.skipped = static_cast<int64_t>(counters.skipped);
+    message.oversized = static_cast<int64_t>(counters.oversized);
+    message.rejected = static_cast<int64_t>(counters.rejected);
+    message.restarts = static_cast<int64_t>(health.select.restarts);
+}
+
+void fill_stages(const Stages &stages, vdna_msg_status_t &message)
+{
+    message.queue = duration_of(stages.queue);
+    message.decode = duration_of(stages.decode);
+    message.resize = duration_of(stages.resize);
+    message.inference = duration_of(stages.inference);
+    message.select = duration_of(stages.select);
+    message.rank = duration_of(stages.rank);
+    message.publish = duration_of(stages.publish);
+    message.total = duration_of(stages.total);
+}
+
+void fill_memory(const Health &health, vdna_msg_status_t &message)
+{
+    message.resident_bytes = health.resident.now;
+    message.resident_bytes_max = health.resident.most;
+    message.picture_bytes_max = static_cast<int64_t>(health.transport.picture_bytes_max);
+    message.window_frames_max = static_cast<int32_t>(health.window_frames_max);
+    message.backlog_max = static_cast<int32_t>(health.transport.backlog_max);
+}
+
+} // namespace
+
 vdna_msg_status_t status_of(const Health &health, int64_t utime)
 {
     const bool selected = health.select.state == VDNA_SELECT_SELECTED;
@@ -93,17 +148,9 @@ vdna_msg_status_t status_of(const Health &health, int64_t utime)
     message.experiences = static_cast<int32_t>(health.experiences.size());
     message.backbone = borrow(health.backbone.name);
     message.version = borrow(vdna_version());
-    message.received = static_cast<int64_t>(health.transport.received);
-    message.skipped = static_cast<int64_t>(health.transport.skipped);
-    message.rejected = static_cast<int64_t>(health.transport.rejected);
-    message.refused = static_cast<int64_t>(health.refused);
-    message.processed = static_cast<int64_t>(health.select.accepted);
-    message.restarts = static_cast<int64_t>(health.select.restarts);
-    message.frame_age_us = health.cost.age_us;
-    message.decode_us = health.cost.decode_us;
-    message.resize_us = health.cost.resize_us;
-    message.inference_us = health.cost.inference_us;
-    message.resident_bytes = health.resident_bytes;
+    fill_counters(health, message);
+    fill_stages(health.stages, message);
+    fill_memory(health, message);
     message.message = borrow(health.message);
     return message;
 }

@@ -10,6 +10,8 @@
 #include <vdna_msg_status_t.h>
 
 #include "pairing/pairing.hpp"
+#include "selectord/resident_memory.hpp"
+#include "selectord/stages.hpp"
 
 namespace vdna
 {
@@ -20,6 +22,9 @@ class RankingReport
   public:
     // Borrows from both.
     RankingReport(const Map &map, const vdna_backbone_info &backbone);
+
+    // Bytes of the message on the wire, whatever the order of the experiences.
+    uint32_t encoded_size() const;
 
     // Valid until the next call; `select` is in state SELECTED.
     const vdna_msg_ranking_t &fill(const vdna_select &select);
@@ -40,25 +45,21 @@ vdna_msg_localisation_t no_position(int64_t utime, int32_t validity);
 vdna_msg_localisation_t position_in(const vdna_experience &chosen, const vdna_knn_match &match,
                                     int64_t utime);
 
-// What the newest processed frame cost.
-struct FrameCost {
-    int64_t age_us = 0; // when its answer was sent
-    uint32_t decode_us = 0;
-    uint32_t resize_us = 0;
-    uint32_t inference_us = 0;
-};
-
 // Everything that a status message tells.
 struct Health {
     const vdna_select &select;
     const vdna_transport_counters &transport;
     const std::vector<vdna_experience> &experiences;
     const vdna_backbone_info &backbone;
-    const FrameCost &cost;
+    const Stages &stages;
     uint64_t refused;
-    int64_t resident_bytes;
+    uint32_t window_frames_max;
+    Resident resident;
     const char *message;
 };
+
+// Bytes on the wire that no status and no localisation exceeds.
+constexpr uint32_t other_messages_size_max = 2048;
 
 // Borrows its texts from `health`; `utime` is microseconds since 1970.
 vdna_msg_status_t status_of(const Health &health, int64_t utime);

@@ -1,7 +1,9 @@
 #include "selectord/resident_memory.hpp"
 
+#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
+#include <cstring>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -9,7 +11,22 @@
 namespace vdna
 {
 
-ResidentMemory::ResidentMemory() : file_(open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}
+namespace
+{
+
+// The value of "KEY:   123 kB".
+int64_t bytes_of(const char *text, const char *key)
+{
+    const char *line = std::strstr(text, key);
+    int64_t kilobytes;
+    return line && std::sscanf(line + std::strlen(key), ": %" SCNd64, &kilobytes) == 1
+               ? kilobytes * 1024
+               : 0;
+}
+
+} // namespace
+
+ResidentMemory::ResidentMemory() : file_(open("/proc/self/status", O_RDONLY | O_CLOEXEC)) {}
 
 ResidentMemory::~ResidentMemory()
 {
@@ -17,15 +34,16 @@ ResidentMemory::~ResidentMemory()
         close(file_);
 }
 
-int64_t ResidentMemory::bytes() const
+Resident ResidentMemory::read() const
 {
-    char text[128];
+    char text[4096];
     const ssize_t size = pread(file_, text, sizeof text - 1, 0);
     if (size <= 0)
-        return 0;
+        return {};
     text[size] = '\0';
-    int64_t pages; // the second number: resident
-    return std::sscanf(text, "%*d %" SCNd64, &pages) == 1 ? pages * sysconf(_SC_PAGESIZE) : 0;
+    const int64_t now = bytes_of(text, "VmRSS");
+    // The system's mark is brought up to date less often than the value.
+    return {now, bytes_of(text, "RssAnon"), std::max(now, bytes_of(text, "VmHWM"))};
 }
 
 } // namespace vdna

@@ -6,7 +6,14 @@
 namespace vdna
 {
 
-// Keeps /proc/self/statm open; reading it again allocates nothing.
+// In bytes; 0 where the system does not tell.
+struct Resident {
+    int64_t now = 0;
+    int64_t anonymous = 0; // of that, not backed by a file
+    int64_t most = 0;      // since the process began
+};
+
+// Keeps /proc/self/status open; reading it again allocates nothing.
 class ResidentMemory
 {
   public:
@@ -15,7 +22,7 @@ class ResidentMemory
     ResidentMemory(const ResidentMemory &) = delete;
     ResidentMemory &operator=(const ResidentMemory &) = delete;
 
-    int64_t bytes() const; // 0 if the system does not tell
+    Resident read() const;
 
   private:
     int file_;

@@ -1,5 +1,6 @@
 #include "message_text.hpp"
 
+#include <array>
 #include <cstdarg>
 #include <cstdio>
 
@@ -47,6 +48,32 @@ double ms(int64_t us)
     return static_cast<double>(us) / 1000;
 }
 
+struct NamedStage {
+    const char *name;
+    const vdna_msg_duration_t *duration;
+};
+
+// In the order of a frame's way.
+std::array<NamedStage, 8> stages_of(const vdna_msg_status_t &message)
+{
+    return {{{"queue", &message.queue},
+             {"decode", &message.decode},
+             {"resize", &message.resize},
+             {"inference", &message.inference},
+             {"select", &message.select},
+             {"rank", &message.rank},
+             {"publish", &message.publish},
+             {"total", &message.total}}};
+}
+
+nlohmann::ordered_json json_of(const vdna_msg_duration_t &duration)
+{
+    return {{"newest_us", duration.newest_us},
+            {"p50_us", duration.p50_us},
+            {"p99_us", duration.p99_us},
+            {"max_us", duration.max_us}};
+}
+
 } // namespace
 
 std::string text_of(const vdna_msg_ranking_t &message)
@@ -78,16 +105,23 @@ std::string text_of(const vdna_msg_localisation_t &message)
 
 std::string text_of(const vdna_msg_status_t &message)
 {
+    const auto number = [](int64_t value) { return static_cast<long long>(value); };
+    const auto mb = [](int64_t bytes) { return static_cast<double>(bytes) / 1e6; };
     std::string text = format(
         "status       %s %.0f %%%s%s, received %lld, processed %lld, skipped %lld, refused %lld, "
-        "rejected %lld, inference %.1f ms, %.0f MB",
+        "oversized %lld, rejected %lld, %.0f MB, at most %.0f MB",
         state_of(message), 100 * message.progress, message.experience[0] ? " " : "",
-        message.experience, static_cast<long long>(message.received),
-        static_cast<long long>(message.processed), static_cast<long long>(message.skipped),
-        static_cast<long long>(message.refused), static_cast<long long>(message.rejected),
-        ms(message.inference_us), static_cast<double>(message.resident_bytes) / 1e6);
+        message.experience, number(message.received), number(message.processed),
+        number(message.skipped), number(message.refused), number(message.oversized),
+        number(message.rejected), mb(message.resident_bytes), mb(message.resident_bytes_max));
+    if (message.processed > 0) {
+        text += "\n             ms, half within/99 of 100 within/longest:";
+        for (const auto &[name, stage] : stages_of(message))
+            text += format(" %s %.1f/%.1f/%.1f", name, ms(stage->p50_us), ms(stage->p99_us),
+                           ms(stage->max_us));
+    }
     if (message.message[0])
-        text += format("; last problem: %s", message.message);
+        text += format("\n             last problem: %s", message.message);
     return text;
 }
 
@@ -123,7 +157,8 @@ nlohmann::ordered_json json_of(const vdna_msg_localisation_t &message)
                                 {"position", nullptr},
                                 {"distance", nullptr},
                                 {"predicted_recall", message.predicted_recall},
-                                {"latency_us", message.latency_us}};
+                                {"latency_us", message.latency_us},
+                                {"skipped", message.skipped}};
     if (!valid)
         return json;
     json["experience"] = message.experience;
@@ -139,26 +174,30 @@ nlohmann::ordered_json json_of(const vdna_msg_localisation_t &message)
 
 nlohmann::ordered_json json_of(const vdna_msg_status_t &message)
 {
-    return {{"type", "status"},
-            {"utime", message.utime},
-            {"state", state_of(message)},
-            {"progress", message.progress},
-            {"experience", message.experience},
-            {"experiences", message.experiences},
-            {"backbone", message.backbone},
-            {"version", message.version},
-            {"received", message.received},
-            {"skipped", message.skipped},
-            {"rejected", message.rejected},
-            {"refused", message.refused},
-            {"processed", message.processed},
-            {"restarts", message.restarts},
-            {"frame_age_us", message.frame_age_us},
-            {"decode_us", message.decode_us},
-            {"resize_us", message.resize_us},
-            {"inference_us", message.inference_us},
-            {"resident_bytes", message.resident_bytes},
-            {"message", message.message}};
+    nlohmann::ordered_json json{{"type", "status"},
+                                {"utime", message.utime},
+                                {"state", state_of(message)},
+                                {"progress", message.progress},
+                                {"experience", message.experience},
+                                {"experiences", message.experiences},
+                                {"backbone", message.backbone},
+                                {"version", message.version},
+                                {"received", message.received},
+                                {"processed", message.processed},
+                                {"refused", message.refused},
+                                {"skipped", message.skipped},
+                                {"oversized", message.oversized},
+                                {"rejected", message.rejected},
+                                {"restarts", message.restarts}};
+    for (const auto &[name, duration] : stages_of(message))
+        json[name] = json_of(*duration);
+    json["resident_bytes"] = message.resident_bytes;
+    json["resident_bytes_max"] = message.resident_bytes_max;
+    json["picture_bytes_max"] = message.picture_bytes_max;
+    json["window_frames_max"] = message.window_frames_max;
+    json["backlog_max"] = message.backlog_max;
+    json["message"] = message.message;
+    return json;
 }
 
 } // namespace vdna

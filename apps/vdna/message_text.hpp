@@ -15,6 +15,7 @@ namespace vdna
 std::string text_of(const vdna_msg_ranking_t &message);
 // One line, without its end.
 std::string text_of(const vdna_msg_localisation_t &message);
+// One to three lines.
 std::string text_of(const vdna_msg_status_t &message);
 
 // The members by their names in lcmtypes/; what is not valid is null.

@@ -23,7 +23,7 @@
 using namespace vdna;
 
 struct vdna_backbone {
-    vdna_backbone(const Manifest &manifest, const char *runtime_path, uint32_t threads);
+    vdna_backbone(const Manifest &manifest, const vdna_backbone_config &config);
 
     Runtime runtime;
     Session session;
@@ -97,7 +97,7 @@ void copy_text(char (&out)[Room], const std::string &text, const char *what)
     std::memcpy(out, text.c_str(), text.size() + 1);
 }
 
-void fill_info(vdna_backbone &backbone, const Manifest &manifest)
+void fill_info(vdna_backbone &backbone, const Manifest &manifest, uint32_t max_pixels)
 {
     vdna_backbone_info &info = backbone.info;
     copy_text(info.name, manifest.name, "the backbone's name");
@@ -110,6 +110,7 @@ void fill_info(vdna_backbone &backbone, const Manifest &manifest)
     info.dim = static_cast<uint32_t>(backbone.embedding.size());
     info.input_width = manifest.input.width;
     info.input_height = manifest.input.height;
+    info.decode_bytes = Decoder::bytes_for(max_pixels);
 }
 
 void l2_normalise(std::vector<float> &values)
@@ -161,17 +162,17 @@ uint32_t elapsed_us(Clock::time_point begin, Clock::time_point end)
 
 } // namespace
 
-vdna_backbone::vdna_backbone(const Manifest &manifest, const char *runtime_path, uint32_t threads)
-    : runtime(runtime_path),
-      session(runtime, manifest, read_model(manifest.model, manifest.sha256), threads),
-      preprocessor(manifest.input), l2_normalise(manifest.l2_normalise),
+vdna_backbone::vdna_backbone(const Manifest &manifest, const vdna_backbone_config &config)
+    : runtime(config.runtime),
+      session(runtime, manifest, read_model(manifest.model, manifest.sha256), config.threads),
+      decoder(config.max_pixels), preprocessor(manifest.input), l2_normalise(manifest.l2_normalise),
       embedding(session.embedding().size)
 {
     for (size_t t = 0; t < manifest.taps.size(); t++) {
         taps.push_back(as_activations(session.taps()[t], manifest.taps[t].layout));
         neurons += taps[t].neurons;
     }
-    fill_info(*this, manifest);
+    fill_info(*this, manifest, config.max_pixels);
 }
 
 /* see vdna/backbone.h */
@@ -182,6 +183,7 @@ void vdna_backbone_config_init(vdna_backbone_config *config)
     *config = {};
     config->struct_size = sizeof *config;
     config->threads = threads_default;
+    config->max_pixels = VDNA_IMAGE_PIXELS_MAX;
 }
 
 /* see vdna/backbone.h */
@@ -189,13 +191,15 @@ vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *e
                                vdna_backbone **out_backbone)
 {
     if (!config || config->struct_size != sizeof *config || !config->manifest ||
-        config->threads < 1 || config->threads > threads_max || !out_backbone)
+        config->threads < 1 || config->threads > threads_max || config->max_pixels < 1 ||
+        config->max_pixels > VDNA_IMAGE_PIXELS_MAX || !out_backbone)
         return vdna_fail(error, VDNA_ERR_ARG,
-                         "vdna_backbone_open: a manifest and 1 to %u threads are expected",
-                         threads_max);
+                         "vdna_backbone_open: a manifest, 1 to %u threads and pictures of 1 to %u "
+                         "pixels are expected",
+                         threads_max, VDNA_IMAGE_PIXELS_MAX);
     return guarded(error, [&] {
         const Manifest manifest = read_manifest(find_manifest(config->manifest));
-        *out_backbone = new vdna_backbone(manifest, config->runtime, config->threads);
+        *out_backbone = new vdna_backbone(manifest, *config);
     });
 }
 

@@ -45,19 +45,6 @@ std::string size_text(uint32_t width, uint32_t height)
     return std::to_string(width) + "x" + std::to_string(height);
 }
 
-void check_sides(uint32_t width, uint32_t height)
-{
-    if (width == 0 || height == 0)
-        throw Failure(VDNA_ERR_FORMAT, "picture: has no pixels: " + size_text(width, height));
-    if (width > VDNA_IMAGE_SIDE_MAX || height > VDNA_IMAGE_SIDE_MAX ||
-        width * height > VDNA_IMAGE_PIXELS_MAX)
-        throw Failure(VDNA_ERR_UNSUPPORTED, "picture: " + size_text(width, height) +
-                                                " pixels are too many; the limit is " +
-                                                std::to_string(VDNA_IMAGE_SIDE_MAX) +
-                                                " a side and " +
-                                                std::to_string(VDNA_IMAGE_PIXELS_MAX) + " in all");
-}
-
 [[noreturn]] void refuse_layout(const vdna_image &image, const std::string &expected)
 {
     throw Failure(VDNA_ERR_FORMAT, "picture: " + fourcc_text(image.pixelformat) + " " +
@@ -89,8 +76,32 @@ cv::Mat view(const vdna_image &image, uint32_t rows, size_t columns, int type, s
                    const_cast<uint8_t *>(image.data), stride);
 }
 
+} // namespace
+
+uint64_t Decoder::bytes_for(uint32_t max_pixels)
+{
+    // libjpeg keeps all coefficients of a progressive picture, two bytes each for up to three
+    // components, whose sides it rounds up to whole blocks of at most 32 pixels; else a few rows.
+    constexpr uint64_t block = 32, components = 3, row_bytes = 4u << 20;
+    const uint64_t edge = VDNA_IMAGE_SIDE_MAX + max_pixels / VDNA_IMAGE_SIDE_MAX + block;
+    const uint64_t padded = max_pixels + block * edge;
+    return components * max_pixels + 2 * components * padded + row_bytes;
+}
+
+void Decoder::check_sides(uint32_t width, uint32_t height) const
+{
+    if (width == 0 || height == 0)
+        throw Failure(VDNA_ERR_FORMAT, "picture: has no pixels: " + size_text(width, height));
+    if (width > VDNA_IMAGE_SIDE_MAX || height > VDNA_IMAGE_SIDE_MAX || width * height > max_pixels_)
+        throw Failure(VDNA_ERR_UNSUPPORTED, "picture: " + size_text(width, height) +
+                                                " pixels are too many; the limit is " +
+                                                std::to_string(VDNA_IMAGE_SIDE_MAX) +
+                                                " a side and " + std::to_string(max_pixels_) +
+                                                " in all");
+}
+
 // A view of an image whose pixels have `channels` bytes each.
-cv::Mat packed_view(const vdna_image &image, int channels)
+cv::Mat Decoder::packed_view(const vdna_image &image, int channels) const
 {
     check_sides(image.width, image.height);
     const size_t row_bytes = size_t{image.width} * static_cast<size_t>(channels);
@@ -98,8 +109,6 @@ cv::Mat packed_view(const vdna_image &image, int channels)
     need_bytes(image, stride * (image.height - 1) + row_bytes);
     return view(image, image.height, image.width, CV_8UC(channels), stride);
 }
-
-} // namespace
 
 Picture Decoder::decode(const vdna_image &image)
 {
@@ -172,6 +181,7 @@ Picture Decoder::yuv420(const vdna_image &image, int conversion)
     // along with it, as a wider picture, and left out of the result.
     if (stride > VDNA_IMAGE_SIDE_MAX)
         refuse_layout(image, "a row stride of at most " + std::to_string(VDNA_IMAGE_SIDE_MAX));
+    check_sides(static_cast<uint32_t>(stride), image.height);
     const cv::Mat planes = view(image, image.height + image.height / 2, stride, CV_8UC1, stride);
     cv::cvtColor(planes, bgr_, conversion);
     return {bgr_.colRange(0, static_cast<int>(image.width)), bgr_order};

@@ -20,6 +20,13 @@ struct Picture {
 class Decoder
 {
   public:
+    // A picture of more than `max_pixels` pixels, 1..VDNA_IMAGE_PIXELS_MAX, is refused.
+    explicit Decoder(uint32_t max_pixels = VDNA_IMAGE_PIXELS_MAX) : max_pixels_(max_pixels) {}
+
+    // Most bytes that a picture takes which is not larger than `max_pixels`; not for
+    // VDNA_PIXEL_ENCODED, whose formats are OpenCV's to decode.
+    static uint64_t bytes_for(uint32_t max_pixels);
+
     // The result is borrowed from `image` (formats that need no conversion) or from the decoder
     // (until the next call). Every field of `image` is checked before a byte is used. Rules that
     // its header leaves open:
@@ -33,10 +40,13 @@ class Decoder
     Picture decode(const vdna_image &image);
 
   private:
+    void check_sides(uint32_t width, uint32_t height) const;
+    cv::Mat packed_view(const vdna_image &image, int channels) const;
     Picture encoded(const vdna_image &image);
     Picture yuv422(const vdna_image &image, int conversion);
     Picture yuv420(const vdna_image &image, int conversion);
 
+    uint32_t max_pixels_;
     cv::Mat bgr_;
 };
 

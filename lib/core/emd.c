@@ -1,6 +1,8 @@
 #include <string.h>
 #include <vdna/emd.h>
 
+#include "vectorised.h"
+
 /* Working memory: per neuron the running difference of the cumulative counts, and its sum. */
 typedef struct work {
     int64_t *difference; /* [neurons], cumulative P * mass_q - cumulative Q * mass_p so far */
@@ -54,9 +56,9 @@ static vdna_status check_arguments(const vdna_hist_view *p, const vdna_hist_view
     requires \forall integer n; 0 <= n < neurons ==>
       fits(difference[n], sum[n], row_p[n] * mass_q[n] - row_q[n] * mass_p[n]);
     assigns difference[0 .. neurons - 1], sum[0 .. neurons - 1]; */
-static void add_row(const uint32_t *restrict row_p, const uint32_t *restrict row_q,
-                    const uint32_t *mass_p, const uint32_t *mass_q, size_t neurons,
-                    int64_t *restrict difference, int64_t *restrict sum)
+VDNA_VECTORISED static void add_row(const uint32_t *restrict row_p, const uint32_t *restrict row_q,
+                                    const uint32_t *mass_p, const uint32_t *mass_q, size_t neurons,
+                                    int64_t *restrict difference, int64_t *restrict sum)
 {
     /*@ loop invariant 0 <= n <= neurons;
         loop invariant \forall integer i; n <= i < neurons ==>

@@ -41,22 +41,29 @@ vdna_status vdna_transport_check_localisation(const void *data, size_t size)
     cursor_take(&c, 1, sizeof(int64_t)); /* place */
     cursor_take(&c, 1, sizeof(int8_t));  /* has_position */
     cursor_take(&c, 5, sizeof(double));  /* position[3], distance, predicted_recall */
-    cursor_take(&c, 1, sizeof(int64_t)); /* latency_us */
+    cursor_take(&c, 2, sizeof(int64_t)); /* latency_us, skipped */
     return verdict(&c);
 }
+
+/* queue, decode, resize, inference, select, rank, publish, total: four numbers each */
+#define STAGES 8
+#define DURATION_MEMBERS 4
 
 /* see vdna/transport.h */
 vdna_status vdna_transport_check_status(const void *data, size_t size)
 {
     cursor c = cursor_begin(data, size, __vdna_msg_status_t_get_hash());
-    cursor_take(&c, 1, sizeof(int64_t));  /* utime */
-    cursor_take(&c, 1, sizeof(int32_t));  /* state */
-    cursor_take(&c, 1, sizeof(double));   /* progress */
-    cursor_strings(&c, 1);                /* experience */
-    cursor_take(&c, 1, sizeof(int32_t));  /* experiences */
-    cursor_strings(&c, 2);                /* backbone, version */
-    cursor_take(&c, 11, sizeof(int64_t)); /* received ... resident_bytes */
-    cursor_strings(&c, 1);                /* message */
+    cursor_take(&c, 1, sizeof(int64_t)); /* utime */
+    cursor_take(&c, 1, sizeof(int32_t)); /* state */
+    cursor_take(&c, 1, sizeof(double));  /* progress */
+    cursor_strings(&c, 1);               /* experience */
+    cursor_take(&c, 1, sizeof(int32_t)); /* experiences */
+    cursor_strings(&c, 2);               /* backbone, version */
+    cursor_take(&c, 7, sizeof(int64_t)); /* received ... restarts */
+    cursor_take(&c, STAGES * DURATION_MEMBERS, sizeof(int64_t));
+    cursor_take(&c, 3, sizeof(int64_t)); /* resident_bytes, resident and picture_bytes_max */
+    cursor_take(&c, 2, sizeof(int32_t)); /* window_frames_max, backlog_max */
+    cursor_strings(&c, 1);               /* message */
     return verdict(&c);
 }
 

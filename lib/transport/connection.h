@@ -17,6 +17,7 @@ struct vdna_transport {
 
     /* What the poll under way has found. */
     uint32_t events;
+    uint64_t unanswered;        /* frames that came and were not handed out, since one was */
     vdna_transport_frame frame; /* its picture is in `picture` */
     uint8_t *picture;
     size_t picture_size; /* bytes allocated */
@@ -25,6 +26,10 @@ struct vdna_transport {
     uint8_t *message;
     size_t message_size; /* bytes allocated */
 };
+
+/* Room for an encoded message. The block only ever grows, so that messages of like size are
+ * published without an allocation. */
+vdna_status vdna_transport_reserve(vdna_transport *transport, size_t size);
 
 /* Subscribe to the camera and command channels that are used. */
 vdna_status vdna_transport_subscribe(vdna_transport *transport, vdna_error *error);

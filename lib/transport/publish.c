@@ -9,22 +9,27 @@
 /* The encoders that lcm-gen writes take a complete message for granted: every function here
  * checks its message, makes room for it, encodes, and sends. */
 
-/* Room for an encoded message. The block only ever grows, so that messages of like size are
- * published without an allocation. */
-static vdna_status reserve(vdna_transport *transport, int size)
+/* see connection.h */
+vdna_status vdna_transport_reserve(vdna_transport *transport, size_t size)
 {
-    if (size < 0 || size > LCM_MAX_MESSAGE_SIZE)
+    if (size > LCM_MAX_MESSAGE_SIZE)
         return VDNA_ERR_ARG;
-    if ((size_t)size <= transport->message_size)
+    if (size <= transport->message_size)
         return VDNA_OK;
 
-    uint8_t *larger = malloc((size_t)size);
+    uint8_t *larger = malloc(size);
     if (!larger)
         return VDNA_ERR_NOMEM;
     free(transport->message);
     transport->message = larger;
-    transport->message_size = (size_t)size;
+    transport->message_size = size;
     return VDNA_OK;
+}
+
+/* Room for a message whose encoder asks for `size` bytes. */
+static vdna_status reserve(vdna_transport *transport, int size)
+{
+    return size < 0 ? VDNA_ERR_ARG : vdna_transport_reserve(transport, (size_t)size);
 }
 
 /* Send the encoded message; `size` is what the encoder returned. */

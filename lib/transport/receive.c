@@ -12,11 +12,25 @@
 
 #define POLL_TIMEOUT_MAX_MS 1000
 
-static int64_t monotonic_us(void)
+#define QUEUED_MAX_US 60000000
+
+static int64_t clock_us(clockid_t clock)
 {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return (int64_t)now.tv_sec * 1000000 + now.tv_nsec / 1000;
+}
+
+/* When a message came off the socket, by the monotonic clock. LCM stamps it with the wall clock,
+ * which may have been set meanwhile: a wait that cannot be is taken for none. The stamps of a log
+ * are those of its recording. */
+static int64_t received_us(const vdna_transport *transport, const lcm_recv_buf_t *message)
+{
+    const int64_t queued = clock_us(CLOCK_REALTIME) - message->recv_utime;
+    const int64_t now = clock_us(CLOCK_MONOTONIC);
+    if (transport->is_log || queued < 0 || queued > QUEUED_MAX_US)
+        return now;
+    return now - queued;
 }
 
 /* LCM calls this for each message on the camera channel; the bytes are LCM's and go when it
@@ -25,20 +39,29 @@ static void on_image(const lcm_recv_buf_t *message, const char *channel, void *c
 {
     (void)channel;
     vdna_transport *transport = context;
+    vdna_transport_counters *counters = &transport->counters;
     vdna_transport_frame frame;
-    if (vdna_transport_parse_image(message->data, message->data_size, &frame) != VDNA_OK ||
-        frame.image.size > transport->picture_size) {
-        transport->counters.rejected++;
+    if (vdna_transport_parse_image(message->data, message->data_size, &frame) != VDNA_OK) {
+        counters->rejected++;
         return;
+    }
+
+    counters->received++;
+    if (frame.image.size > counters->picture_bytes_max)
+        counters->picture_bytes_max = frame.image.size;
+    if (frame.image.size > transport->picture_size) {
+        counters->oversized++;
+        transport->unanswered++;
+        return;
+    }
+    if (transport->events & VDNA_TRANSPORT_FRAME) {
+        counters->skipped++;
+        transport->unanswered++;
     }
 
     memcpy(transport->picture, frame.image.data, frame.image.size);
     frame.image.data = transport->picture;
-    frame.received_us = monotonic_us();
-
-    transport->counters.received++;
-    if (transport->events & VDNA_TRANSPORT_FRAME)
-        transport->counters.skipped++;
+    frame.received_us = received_us(transport, message);
     transport->events |= VDNA_TRANSPORT_FRAME;
     transport->frame = frame;
 }
@@ -119,11 +142,15 @@ static int take_one(vdna_transport *transport, int timeout_ms)
 static int drain(vdna_transport *transport, int timeout_ms)
 {
     int taken = take_one(transport, timeout_ms);
-    for (int messages = 1; taken == 1 && messages < MESSAGES_PER_POLL; messages++) {
+    uint32_t messages = taken == 1;
+    while (taken == 1 && messages < MESSAGES_PER_POLL) {
         if (transport->is_log && transport->events != 0)
             break;
         taken = take_one(transport, 0);
+        messages += taken == 1;
     }
+    if (messages > transport->counters.backlog_max)
+        transport->counters.backlog_max = messages;
     return taken;
 }
 
@@ -141,7 +168,10 @@ vdna_status vdna_transport_poll(vdna_transport *transport, int32_t timeout_ms, u
         return VDNA_ERR_IO;
 
     *out_events = transport->events;
-    if (transport->events & VDNA_TRANSPORT_FRAME)
+    if (transport->events & VDNA_TRANSPORT_FRAME) {
         *out_frame = transport->frame;
+        out_frame->skipped = transport->unanswered;
+        transport->unanswered = 0;
+    }
     return VDNA_OK;
 }

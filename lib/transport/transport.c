@@ -26,6 +26,11 @@ static vdna_status check_config(const vdna_transport_config *config, vdna_error 
         return vdna_fail(error, VDNA_ERR_ARG,
                          "transport: max_image_bytes is %u, expected 1..%d, LCM's largest message",
                          config->max_image_bytes, LCM_MAX_MESSAGE_SIZE);
+    if (config->max_message_bytes > LCM_MAX_MESSAGE_SIZE)
+        return vdna_fail(
+            error, VDNA_ERR_ARG,
+            "transport: max_message_bytes is %u, expected 0..%d, LCM's largest message",
+            config->max_message_bytes, LCM_MAX_MESSAGE_SIZE);
     return VDNA_OK;
 }
 
@@ -71,6 +76,16 @@ static vdna_status reserve_picture(vdna_transport *transport, size_t size, vdna_
     return VDNA_OK;
 }
 
+static vdna_status reserve_message(vdna_transport *transport, size_t size, vdna_error *error)
+{
+    if (size > 0 && vdna_transport_reserve(transport, size) != VDNA_OK)
+        return vdna_fail(error, VDNA_ERR_NOMEM,
+                         "transport: no %zu bytes of memory for a message; lower "
+                         "max_message_bytes",
+                         size);
+    return VDNA_OK;
+}
+
 /* The URL that LCM will use, by LCM's own rule. */
 static const char *effective_url(const char *url)
 {
@@ -104,6 +119,35 @@ static vdna_status connect_lcm(vdna_transport *transport, const char *configured
                      url);
 }
 
+/* LCM 1.3 to 1.5, udpm://: messages queued per subscription; messages half received, all channels
+ * together; what it keeps per message, and for itself. */
+#define LCM_QUEUED 30
+#define LCM_FRAGMENTS_MAX (16u << 20)
+#define LCM_DATAGRAM_MAX 65536u
+#define LCM_ITSELF (1u << 20)
+/* What a camera message has besides its picture, generously: it may carry metadata. */
+#define IMAGE_MESSAGE_OVERHEAD 4096u
+
+/* see vdna/transport.h */
+vdna_status vdna_transport_memory_of(const vdna_transport_config *config,
+                                     vdna_transport_memory *out_memory)
+{
+    const vdna_status status = check_config(config, NULL);
+    if (status != VDNA_OK || !out_memory)
+        return VDNA_ERR_ARG;
+
+    const uint64_t image = config->camera_channel ? config->max_image_bytes : 0;
+    const uint64_t message = config->max_image_bytes + IMAGE_MESSAGE_OVERHEAD;
+    const uint64_t pictures = config->camera_channel ? LCM_QUEUED + 1 : 0;
+    const uint64_t commands = config->command_channel ? LCM_QUEUED + 1 : 0;
+    /* Each datagram passes through a ring that grows by half when it is full, and the rings before
+     * it stay until they are empty: at most three times what is in them. */
+    const uint64_t rings = 3 * (pictures + commands + 1) * LCM_DATAGRAM_MAX;
+    out_memory->own_bytes = sizeof(vdna_transport) + image + config->max_message_bytes;
+    out_memory->lcm_bytes = pictures * message + LCM_FRAGMENTS_MAX + message + rings + LCM_ITSELF;
+    return VDNA_OK;
+}
+
 /* see vdna/transport.h */
 vdna_status vdna_transport_open(const vdna_transport_config *config, vdna_error *error,
                                 vdna_transport **out_transport)
@@ -121,6 +165,8 @@ vdna_status vdna_transport_open(const vdna_transport_config *config, vdna_error 
     status = keep_channels(transport, config, error);
     if (status == VDNA_OK)
         status = reserve_picture(transport, config->max_image_bytes, error);
+    if (status == VDNA_OK)
+        status = reserve_message(transport, config->max_message_bytes, error);
     if (status == VDNA_OK)
         status = connect_lcm(transport, config->url, error);
     if (status == VDNA_OK)

@@ -75,7 +75,8 @@ def stacks(machine, folder, objects):
     image = Path(folder, "image")
     machine.link(image, *objects, Path(folder, "start.o"), "-lgcc")
     graph = CallGraph(machine, folder, image)
-    public = sorted(set().union(*(machine.symbols(o, "T") for o in objects)))
+    listed = set(re.findall(r"vdna_\w+(?=;)", (ROOT / "lib/vdna.map").read_text()))
+    public = sorted(listed.intersection(*[set().union(*(machine.symbols(o, "T") for o in objects))]))
     return {function: graph.worst(function)[0] for function in public}
 
 

@@ -67,12 +67,18 @@ class _Lines:
 
 
 class Selectord:
-    """A running daemon; the constructor returns once it is READY."""
+    """A running daemon; the constructor returns once it is READY.
 
-    def __init__(self, *options):
+    `program` takes the place of vdna_selectord; `environment` is added to this process's own;
+    `prefix` is a command that runs the daemon, and becomes it.
+    """
+
+    def __init__(self, *options, program=os.path.join(BIN, "vdna_selectord"), environment=None,
+                 prefix=()):
         self._process = subprocess.Popen(
-            [os.path.join(BIN, "vdna_selectord"), *map(str, options)],
+            [*prefix, program, *map(str, options)], env={**os.environ, **(environment or {})},
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.pid = self._process.pid
         self._output, self._errors = _Lines(self._process.stdout), _Lines(self._process.stderr)
         self.log = []  # its standard error, once it has ended
         if not self._output.next(time.monotonic() + PATIENCE):
@@ -145,6 +151,45 @@ class Watch:
     def of(self, kind):
         """The messages of one type that have come so far."""
         return [message for message in self.messages if message["type"] == kind]
+
+
+class Listener:
+    """The messages of one channel, undecoded, without a program in between. Short ones only."""
+
+    def __init__(self, channel):
+        self._channel = channel.encode() + b"\0"
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self._socket.bind(Camera.ADDRESS)
+        group = socket.inet_aton(Camera.ADDRESS[0]) + socket.inet_aton("0.0.0.0")
+        self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._socket.close()
+
+    def next(self, seconds=PATIENCE):
+        """The next message's bytes."""
+        self._socket.settimeout(seconds)
+        while True:
+            data = self._socket.recv(65536)
+            if data[8:8 + len(self._channel)] == self._channel:
+                return data[8 + len(self._channel):]
+
+
+def answer_of(message):
+    """Camera stamp, latency in microseconds and frames skipped of a localisation_t."""
+    utime, = struct.unpack_from(">q", message, 8)
+    return utime, *struct.unpack(">qq", message[-16:])
+
+
+def memory_of(pid):
+    """What /proc says about a process's memory, in bytes: VmRSS, VmHWM, VmLck, ..."""
+    with open(f"/proc/{pid}/status", encoding="ascii") as file:
+        lines = [line.split() for line in file]
+    return {line[0][:-1]: 1024 * int(line[1]) for line in lines if line[-1] == "kB"}
 
 
 class Camera:

@@ -312,6 +312,12 @@ static void arguments_are_checked(void **)
     config.threads = 0;
     assert_int_equal(vdna_backbone_open(&config, nullptr, &backbone), VDNA_ERR_ARG);
     config.threads = 1;
+    assert_int_equal(config.max_pixels, VDNA_IMAGE_PIXELS_MAX);
+    for (const uint32_t pixels : {0u, VDNA_IMAGE_PIXELS_MAX + 1}) {
+        config.max_pixels = pixels;
+        assert_int_equal(vdna_backbone_open(&config, nullptr, &backbone), VDNA_ERR_ARG);
+    }
+    config.max_pixels = 1;
     config.struct_size--;
     assert_int_equal(vdna_backbone_open(&config, &error, &backbone), VDNA_ERR_ARG);
 

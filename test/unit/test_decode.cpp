@@ -129,9 +129,10 @@ static void assert_is_the_picture(const vdna_image &image, int tolerance)
 }
 
 // The reason why `image` is refused; the status must be `status`.
-static std::string refusal(const vdna_image &image, vdna_status status)
+static std::string refusal(const vdna_image &image, vdna_status status,
+                           uint32_t max_pixels = VDNA_IMAGE_PIXELS_MAX)
 {
-    Decoder decoder;
+    Decoder decoder(max_pixels);
     try {
         decoder.decode(image);
     } catch (const Failure &failure) {
@@ -180,6 +181,24 @@ static void encoded_pictures_give_the_picture(void **)
     assert_is_the_picture(image_of(encoded(".webp"), VDNA_PIXEL_ENCODED), 12);
     assert_is_the_picture(image_of(encoded(".jpg"), VDNA_PIXEL_ENCODED), 12);
     assert_is_the_picture(image_of(encoded(".jpg"), VDNA_PIXEL_MJPG), 12);
+}
+
+static void a_picture_of_one_pixel_too_many_is_refused_in_every_format(void **)
+{
+    constexpr uint32_t pixels = width * height;
+    const Bytes jpeg = encoded(".jpg"), raw(size_t{4} * pixels, 128);
+    std::vector<vdna_image> images = {image_of(jpeg, VDNA_PIXEL_MJPG)};
+    for (const uint32_t format : {VDNA_PIXEL_GREY, VDNA_PIXEL_RGB3, VDNA_PIXEL_BGR4,
+                                  VDNA_PIXEL_YUYV, VDNA_PIXEL_I420, VDNA_PIXEL_NV12})
+        images.push_back(image_of(raw, format));
+    for (const vdna_image &image : images) {
+        Decoder decoder(pixels);
+        assert_int_equal(decoder.decode(image).pixels.total(), pixels);
+        const std::string reason = refusal(image, VDNA_ERR_UNSUPPORTED, pixels - 1);
+        assert_true(reason.find(std::to_string(pixels - 1)) != std::string::npos);
+    }
+    // Padding is converted along with the picture, and takes memory as it does.
+    refusal(image_of(raw, VDNA_PIXEL_I420, width + 2), VDNA_ERR_UNSUPPORTED, pixels);
 }
 
 static void grey_pictures_have_three_equal_channels(void **)
@@ -373,6 +392,7 @@ int main()
         cmocka_unit_test(an_orientation_in_exif_is_not_applied),
         cmocka_unit_test(raw_pictures_need_every_byte_and_no_more),
         cmocka_unit_test(impossible_sides_and_strides_are_refused),
+        cmocka_unit_test(a_picture_of_one_pixel_too_many_is_refused_in_every_format),
     };
     return cmocka_run_group_tests_name("decode", tests, nullptr, nullptr);
 }

@@ -55,6 +55,61 @@ static void every_dimension_counts_whatever_their_number(void **state)
     }
 }
 
+/* Rows at integer distances so alike that single precision cannot tell them apart. */
+enum { ROWS = 300, DIM = 67 };
+static int32_t steps[ROWS][DIM];
+static uint64_t squares[ROWS];
+
+static void make_rows_alike(void)
+{
+    uint32_t random = 1;
+    for (uint32_t row = 0; row < ROWS; row++) {
+        squares[row] = 0;
+        for (uint32_t i = 0; i < DIM; i++) {
+            random = random * 1664525u + 1013904223u;
+            const int32_t size = 4095 - (int32_t)((i + row) % DIM) * 17;
+            steps[row][i] = random >> 31 ? size : -size;
+        }
+        /* All rows are one row turned round, but for a small number. */
+        steps[row][(DIM - row % DIM) % DIM] = (int32_t)(random >> 8 & 7);
+        for (uint32_t i = 0; i < DIM; i++)
+            squares[row] += (uint64_t)((int64_t)steps[row][i] * steps[row][i]);
+    }
+}
+
+/* How many rows are nearer than this one, or as near and before it. */
+static uint32_t rank_of(uint32_t row)
+{
+    uint32_t rank = 0;
+    for (uint32_t other = 0; other < ROWS; other++)
+        rank += squares[other] < squares[row] || (squares[other] == squares[row] && other < row);
+    return rank;
+}
+
+static void rows_that_single_precision_cannot_tell_apart_come_in_exact_order(void **state)
+{
+    (void)state;
+    static float map[ROWS][DIM];
+    const float query[DIM] = {0};
+    /* Squares in single precision: vanish, nearly vanish, are ordinary, overflow. */
+    const int exponents[] = {-90, -89, -88, -87, -86, -85, -84, -83, -70, 0, 40, 60};
+    make_rows_alike();
+    for (size_t e = 0; e < sizeof exponents / sizeof *exponents; e++) {
+        const double unit = ldexp(1, exponents[e]);
+        for (uint32_t row = 0; row < ROWS; row++)
+            for (uint32_t i = 0; i < DIM; i++)
+                map[row][i] = (float)(steps[row][i] * unit);
+        for (uint32_t k = 1; k <= ROWS; k = 3 * k + 1) {
+            vdna_knn_match match[ROWS];
+            assert_int_equal(vdna_knn(query, DIM, map[0], ROWS, k, match), VDNA_OK);
+            for (uint32_t i = 0; i < k; i++) {
+                assert_int_equal(rank_of(match[i].index), i);
+                assert_true(match[i].distance_sq == (double)squares[match[i].index] * unit * unit);
+            }
+        }
+    }
+}
+
 static void a_distance_that_is_not_finite_is_refused(void **state)
 {
     (void)state;
@@ -62,6 +117,8 @@ static void a_distance_that_is_not_finite_is_refused(void **state)
     vdna_knn_match match;
     assert_int_equal(vdna_knn(bad, 1, good, 1, 1, &match), VDNA_ERR_NONFINITE);
     assert_int_equal(vdna_knn(good, 1, bad, 1, 1, &match), VDNA_ERR_NONFINITE);
+    const float bad_behind_a_match[] = {0, INFINITY};
+    assert_int_equal(vdna_knn(good, 1, bad_behind_a_match, 2, 1, &match), VDNA_ERR_NONFINITE);
 }
 
 static void bad_arguments_are_refused(void **state)
@@ -84,6 +141,7 @@ int main(void)
         cmocka_unit_test(equal_distances_go_by_the_lower_index),
         cmocka_unit_test(asking_for_more_rows_than_there_are_gives_them_all),
         cmocka_unit_test(every_dimension_counts_whatever_their_number),
+        cmocka_unit_test(rows_that_single_precision_cannot_tell_apart_come_in_exact_order),
         cmocka_unit_test(a_distance_that_is_not_finite_is_refused),
         cmocka_unit_test(bad_arguments_are_refused),
     };

@@ -34,7 +34,7 @@ typedef struct message {
     const char *type;
     uint64_t fingerprint;
     vdna_status (*check)(const void *data, size_t size);
-    uint8_t bytes[512];
+    uint8_t bytes[1024];
     int size;
 } message;
 

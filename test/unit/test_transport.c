@@ -101,7 +101,8 @@ static void a_frame_comes_with_all_its_fields(void **state)
 
     const vdna_transport_frame frame = poll_frame(*state);
     assert_int_equal(frame.utime, 123);
-    assert_in_range(frame.received_us, before_us, monotonic_us());
+    /* LCM's stamp is of another clock, in whole microseconds. */
+    assert_in_range(frame.received_us, before_us - 1, monotonic_us());
     assert_int_equal(frame.image.width, 2);
     assert_int_equal(frame.image.height, 2);
     assert_int_equal(frame.image.row_stride, 8);
@@ -129,8 +130,23 @@ static void of_several_frames_the_newest_is_kept_and_the_others_are_skipped(void
     const vdna_transport_frame frame = poll_frame(*state);
     assert_int_equal(frame.utime, 3);
     assert_int_equal(frame.image.data[0], 3);
+    assert_int_equal(frame.skipped, 2);
     assert_int_equal(vdna_transport_count(*state)->received, 3);
     assert_int_equal(vdna_transport_count(*state)->skipped, 2);
+    assert_int_equal(vdna_transport_count(*state)->backlog_max, 3);
+
+    send_picture(*state, 4, 10);
+    assert_int_equal(poll_frame(*state).skipped, 0);
+    assert_int_equal(vdna_transport_count(*state)->backlog_max, 3);
+}
+
+static void the_time_in_the_queue_of_lcm_is_part_of_a_frames_age(void **state)
+{
+    const int64_t before_us = monotonic_us();
+    send_picture(*state, 1, 10);
+    const int64_t sent_us = monotonic_us();
+    nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
+    assert_in_range(poll_frame(*state).received_us, before_us - 1, sent_us);
 }
 
 static void a_frame_is_handed_out_once_and_then_is_not_skipped(void **state)
@@ -155,14 +171,26 @@ static void a_malformed_frame_is_rejected_and_the_frame_before_it_kept(void **st
     assert_int_equal(vdna_transport_count(*state)->rejected, 2);
 }
 
-static void a_picture_of_the_largest_size_is_taken_and_one_byte_more_rejected(void **state)
+static void a_picture_of_the_largest_size_is_taken_and_one_byte_more_is_oversized(void **state)
 {
     send_picture(*state, 1, MAX_IMAGE_BYTES);
     send_picture(*state, 2, MAX_IMAGE_BYTES + 1);
     const vdna_transport_frame frame = poll_frame(*state);
     assert_int_equal(frame.utime, 1);
     assert_int_equal(frame.image.size, MAX_IMAGE_BYTES);
-    assert_int_equal(vdna_transport_count(*state)->rejected, 1);
+    assert_int_equal(frame.skipped, 1);
+    assert_int_equal(vdna_transport_count(*state)->received, 2);
+    assert_int_equal(vdna_transport_count(*state)->oversized, 1);
+    assert_int_equal(vdna_transport_count(*state)->rejected, 0);
+    assert_int_equal(vdna_transport_count(*state)->picture_bytes_max, MAX_IMAGE_BYTES + 1);
+}
+
+static void what_was_oversized_is_told_with_the_next_frame(void **state)
+{
+    send_picture(*state, 1, MAX_IMAGE_BYTES + 1);
+    assert_int_equal(poll_events(*state, 0), 0);
+    send_picture(*state, 2, 10);
+    assert_int_equal(poll_frame(*state).skipped, 1);
 }
 
 static void a_reset_is_an_event_of_its_own(void **state)
@@ -386,6 +414,7 @@ static void a_published_localisation_passes_the_check_and_decodes_to_itself(void
     assert_true(answer.distance == 0.125);
     assert_true(answer.predicted_recall == 0.5);
     assert_int_equal(answer.latency_us, 20000);
+    assert_int_equal(answer.skipped, 3);
     vdna_msg_localisation_t_decode_cleanup(&answer);
 }
 
@@ -408,7 +437,11 @@ static void a_published_status_passes_the_check_and_decodes_to_itself(void **sta
     assert_string_equal(status.backbone, "lite0");
     assert_string_equal(status.version, "0.1.0");
     assert_int_equal(status.received, 100);
+    assert_int_equal(status.oversized, 1);
+    assert_memory_equal(&status.inference, &sample_status.inference, sizeof status.inference);
+    assert_memory_equal(&status.total, &sample_status.total, sizeof status.total);
     assert_int_equal(status.resident_bytes, 50000000);
+    assert_int_equal(status.backlog_max, 5);
     assert_string_equal(status.message, "");
     vdna_msg_status_t_decode_cleanup(&status);
 }
@@ -514,9 +547,49 @@ static void a_bad_configuration_is_refused(void **state)
     config.max_image_bytes = LCM_MAX_MESSAGE_SIZE + 1;
     assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
     config = memq_config();
+    config.max_message_bytes = LCM_MAX_MESSAGE_SIZE + 1;
+    assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
+    config = memq_config();
     config.struct_size--;
     assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
     assert_null(transport);
+
+    vdna_transport_memory memory;
+    assert_int_equal(vdna_transport_memory_of(&config, &memory), VDNA_ERR_ARG);
+}
+
+static void the_memory_that_is_stated_follows_the_configuration(void **state)
+{
+    (void)state;
+    vdna_transport_config config = memq_config();
+    vdna_transport_memory small, large;
+    assert_int_equal(vdna_transport_memory_of(&config, &small), VDNA_OK);
+    assert_int_equal(small.own_bytes, sizeof(vdna_transport) + MAX_IMAGE_BYTES);
+
+    config.max_image_bytes += 1000;
+    config.max_message_bytes = 500;
+    assert_int_equal(vdna_transport_memory_of(&config, &large), VDNA_OK);
+    assert_int_equal(large.own_bytes, small.own_bytes + 1000 + 500);
+    /* 30 in the queue, one that is handled, one half received */
+    assert_int_equal(large.lcm_bytes, small.lcm_bytes + 32 * 1000);
+
+    config.camera_channel = NULL;
+    assert_int_equal(vdna_transport_memory_of(&config, &large), VDNA_OK);
+    assert_int_equal(large.own_bytes, sizeof(vdna_transport) + 500);
+    assert_true(large.lcm_bytes < small.lcm_bytes);
+}
+
+static void the_room_for_messages_is_there_from_the_start(void **state)
+{
+    (void)state;
+    vdna_transport_config config = memq_config();
+    config.max_message_bytes = 1000;
+    vdna_transport *transport = open_with(&config);
+    const uint8_t *message = transport->message;
+    assert_int_equal(transport->message_size, 1000);
+    assert_int_equal(vdna_transport_publish_ranking(transport, &sample_ranking), VDNA_OK);
+    assert_ptr_equal(transport->message, message);
+    vdna_transport_close(transport);
 }
 
 // --- logs ---
@@ -567,7 +640,9 @@ int main(void)
         ON_MEMQ(of_several_frames_the_newest_is_kept_and_the_others_are_skipped),
         ON_MEMQ(a_frame_is_handed_out_once_and_then_is_not_skipped),
         ON_MEMQ(a_malformed_frame_is_rejected_and_the_frame_before_it_kept),
-        ON_MEMQ(a_picture_of_the_largest_size_is_taken_and_one_byte_more_rejected),
+        ON_MEMQ(a_picture_of_the_largest_size_is_taken_and_one_byte_more_is_oversized),
+        ON_MEMQ(what_was_oversized_is_told_with_the_next_frame),
+        ON_MEMQ(the_time_in_the_queue_of_lcm_is_part_of_a_frames_age),
         ON_MEMQ(a_reset_is_an_event_of_its_own),
         ON_MEMQ(an_unknown_command_is_counted_and_ignored),
         ON_MEMQ(a_malformed_command_is_rejected),
@@ -588,6 +663,8 @@ int main(void)
         cmocka_unit_test(without_a_url_the_environment_decides),
         cmocka_unit_test(a_bad_url_is_named_with_an_example_of_a_good_one),
         cmocka_unit_test(a_bad_configuration_is_refused),
+        cmocka_unit_test(the_memory_that_is_stated_follows_the_configuration),
+        cmocka_unit_test(the_room_for_messages_is_there_from_the_start),
         cmocka_unit_test(a_log_hands_out_every_frame_and_then_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -23,6 +23,9 @@ typedef struct vdna_backbone vdna_backbone;
 typedef struct vdna_backbone_config {
     uint32_t struct_size; /**< bytes of this struct, set by vdna_backbone_config_init() */
     uint32_t threads;     /**< compute threads of the network, >= 1; default 2 */
+    uint32_t max_pixels;  /**< largest width x height that is decoded, 1..VDNA_IMAGE_PIXELS_MAX,
+                               which is the default: bounds the memory for decoding */
+    uint32_t reserved;    /**< 0 */
     const char *manifest; /**< path of a TOML manifest (with a '/' or ending in ".toml"; paths
                                within it are relative to it), or the bare name of one in
                                $VDNA_MODELS, the running program's installation, the directory given
@@ -44,6 +47,8 @@ typedef struct vdna_backbone_info {
     uint32_t dim;            /**< numbers in an embedding */
     uint32_t input_width;    /**< pixels */
     uint32_t input_height;   /**< pixels */
+    uint64_t decode_bytes;   /**< most memory that decoding a camera's picture of max_pixels takes
+                                  after opening: MJPG, also progressive, or any raw format */
 } vdna_backbone_info;
 
 /** What one picture gave. All pointers are borrowed until the next call with this backbone. */

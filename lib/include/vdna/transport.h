@@ -31,7 +31,10 @@ typedef struct vdna_transport_config {
     uint32_t struct_size;     /**< bytes of this struct, set by vdna_transport_config_init() */
     uint32_t max_image_bytes; /**< largest camera picture kept, 1..2^28; default 8 MiB; allocated at
                                    once if there is a camera channel */
-    const char *url;          /**< LCM URL; NULL = $LCM_DEFAULT_URL, else LCM's default (default) */
+    uint32_t max_message_bytes; /**< room for a message to publish, allocated at once, 0..2^28; a
+                                     larger one makes it grow; default 0 */
+    uint32_t reserved;          /**< 0 */
+    const char *url; /**< LCM URL; NULL = $LCM_DEFAULT_URL, else LCM's default (default) */
     const char *camera_channel;       /**< bot_core.image_t in; default NULL */
     const char *command_channel;      /**< vdna_msg.command_t; default NULL */
     const char *ranking_channel;      /**< vdna_msg.ranking_t; default NULL */
@@ -43,16 +46,31 @@ typedef struct vdna_transport_config {
 typedef struct vdna_transport_frame {
     vdna_image image;    /**< as the message describes it; not checked */
     int64_t utime;       /**< the camera's stamp in microseconds */
-    int64_t received_us; /**< CLOCK_MONOTONIC when it was taken from the socket */
+    int64_t received_us; /**< CLOCK_MONOTONIC when LCM took it off the socket; for logs, when it
+                              was read */
+    uint64_t skipped; /**< frames that were skipped or oversized since the one handed out before */
 } vdna_transport_frame;
 
 /** What has come in since the transport was opened. */
 typedef struct vdna_transport_counters {
-    uint64_t received; /**< well-formed camera messages */
-    uint64_t skipped;  /**< of those, replaced by a newer one before they were asked for */
-    uint64_t rejected; /**< messages on our channels that break their format or are too large */
-    uint64_t commands; /**< well-formed command messages */
+    uint64_t received;          /**< well-formed camera messages */
+    uint64_t skipped;           /**< of those, replaced by a newer one before they were asked for */
+    uint64_t oversized;         /**< of those, their picture is larger than max_image_bytes */
+    uint64_t rejected;          /**< messages on our channels that break their format */
+    uint64_t commands;          /**< well-formed command messages */
+    uint64_t picture_bytes_max; /**< largest picture in a well-formed camera message */
+    uint32_t backlog_max; /**< most messages found waiting by one poll; LCM queues 30 a channel
+                               and then drops the newest, uncounted */
+    uint32_t reserved;    /**< 0 */
 } vdna_transport_counters;
+
+/** Most memory that a transport holds, in bytes. */
+typedef struct vdna_transport_memory {
+    uint64_t own_bytes; /**< its own, allocated by vdna_transport_open() */
+    uint64_t lcm_bytes; /**< LCM's, over udpm:// : 30 messages queued for each channel subscribed
+                           to, and messages half received. Holds as long as no message on the whole
+                             network has more bytes than a camera message of max_image_bytes */
+} vdna_transport_memory;
 
 /** What vdna_transport_poll() found; bits. */
 enum {
@@ -63,6 +81,13 @@ enum {
 /** Write the defaults: LCM's own URL, 8 MiB, no channel.
  *  @param config  NULL is allowed */
 VDNA_API void vdna_transport_config_init(vdna_transport_config *config);
+
+/** State what a transport of this configuration holds at most.
+ *  @param config      as for vdna_transport_open()
+ *  @param out_memory  filled
+ *  @return VDNA_OK; VDNA_ERR_ARG for a bad config */
+VDNA_API vdna_status vdna_transport_memory_of(const vdna_transport_config *config,
+                                              vdna_transport_memory *out_memory);
 
 /** Connect and subscribe. Channel names are taken literally, not as regular expressions.
  *  @param config  copied
@@ -136,7 +161,7 @@ VDNA_API vdna_status vdna_transport_check_command(const void *data, size_t size)
  *  whether the picture has as many bytes as they ask for is for its decoder to judge.
  *  @param data  [size], a whole message; borrowed by `out_frame`
  *  @param size  bytes
- *  @param out_frame  image.data points into `data`; received_us is 0
+ *  @param out_frame  image.data points into `data`; received_us and skipped are 0
  *  @return VDNA_OK; VDNA_ERR_FORMAT */
 VDNA_API vdna_status vdna_transport_parse_image(const void *data, size_t size,
                                                 vdna_transport_frame *out_frame);

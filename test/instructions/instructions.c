@@ -1,0 +1,188 @@
+// instructions WHAT DATA: does one thing to one kind of data, for valgrind to count how many
+// instructions it takes: those below measured(). See test_core.py.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <vdna/emd.h>
+#include <vdna/hist.h>
+#include <vdna/knn.h>
+#include <vdna/rank.h>
+
+#define NEURONS 256u
+#define SAMPLES 64u // of each neuron in a frame
+#define BINS 1000u
+#define CANDIDATES 16u
+#define ROWS 1150u
+#define DIM 128u
+
+// The C library chooses among several of these by the processor; the counts must not.
+void *memset(void *block, int byte, size_t size)
+{
+    unsigned char *bytes = block;
+    for (size_t i = 0; i < size; i++)
+        bytes[i] = (unsigned char)byte;
+    return block;
+}
+
+void *memcpy(void *restrict to, const void *restrict from, size_t size)
+{
+    unsigned char *out = to;
+    const unsigned char *in = from;
+    for (size_t i = 0; i < size; i++)
+        out[i] = in[i];
+    return to;
+}
+
+int memcmp(const void *a, const void *b, size_t size)
+{
+    const unsigned char *left = a, *right = b;
+    for (size_t i = 0; i < size; i++)
+        if (left[i] != right[i])
+            return left[i] - right[i];
+    return 0;
+}
+
+enum data { RANDOM, CONSTANT, SORTED, EXTREME, KINDS };
+static const char *const kinds[KINDS] = {"random", "constant", "sorted", "extreme"};
+
+static uint32_t state = 1;
+
+static float chance(void) // 0..1
+{
+    state = state * 1664525u + 1013904223u;
+    return (float)(state >> 8) / 16777216.0f;
+}
+
+// The i-th of `count` activations; the range is -1..1.
+static float activation(enum data data, size_t i, size_t count)
+{
+    switch (data) {
+    case RANDOM:
+        return 2 * chance() - 1;
+    case CONSTANT:
+        return 0.3f; // on the edge between two bins
+    case SORTED:
+        return 2 * ((float)i + 0.5f) / (float)count - 1;
+    default:
+        return i % 2 ? 3e38f : -3e38f; // both beyond the range
+    }
+}
+
+static float range[NEURONS][2];
+static float activations[SAMPLES * NEURONS];
+static uint32_t blocks[1 + CANDIDATES][NEURONS * (BINS + 2)];
+static vdna_hist hists[1 + CANDIDATES];
+static vdna_hist_view views[1 + CANDIDATES];
+static int64_t scratch[4 * NEURONS];
+static vdna_rank_entry ranking[CANDIDATES];
+static float map[ROWS * DIM], query[DIM];
+static vdna_activations tap = {activations, NEURONS, SAMPLES, VDNA_LAYOUT_SAMPLES_NEURONS};
+
+static void make_frame(enum data data)
+{
+    for (size_t i = 0; i < SAMPLES * NEURONS; i++)
+        activations[i] = activation(data, i, SAMPLES * NEURONS);
+}
+
+// The live histogram and the candidates: those of extreme data lie as far apart as can be.
+static void make_hists(enum data data, unsigned count)
+{
+    for (size_t n = 0; n < NEURONS; n++) {
+        range[n][0] = -1;
+        range[n][1] = 1;
+    }
+    vdna_hist_config config;
+    vdna_hist_config_init(&config);
+    config.neurons = NEURONS;
+    config.bins = BINS;
+    config.range = range[0];
+    for (unsigned h = 0; h < count; h++) {
+        if (vdna_hist_init(&config, blocks[h], sizeof blocks[h], &hists[h]) != VDNA_OK)
+            abort();
+        make_frame(data);
+        for (size_t i = 0; data == EXTREME && i < SAMPLES * NEURONS; i++)
+            activations[i] = h == 0 ? -1 : 1;
+        if (vdna_hist_add(&hists[h], &tap, 1) != VDNA_OK)
+            abort();
+        vdna_hist_view_of(&hists[h], &views[h]);
+    }
+}
+
+// Rows come nearer and nearer if sorted: each is the best so far.
+static void make_map(enum data data)
+{
+    for (size_t i = 0; i < ROWS * DIM; i++)
+        map[i] = data == RANDOM     ? chance()
+                 : data == CONSTANT ? 0.5f
+                 : data == SORTED   ? (float)(ROWS - i / DIM)
+                                    : (i % 2 ? 1e15f : -1e15f);
+    for (size_t i = 0; i < DIM; i++)
+        query[i] = data == RANDOM ? chance() : 0;
+}
+
+static void prepare_hist(enum data data)
+{
+    make_hists(data, 1);
+    make_frame(data);
+}
+
+static void prepare_emd(enum data data)
+{
+    make_hists(data, 2);
+}
+
+static void prepare_rank(enum data data)
+{
+    make_hists(data, 1 + CANDIDATES);
+}
+
+static vdna_status run_hist_add(void)
+{
+    return vdna_hist_add(&hists[0], &tap, 1);
+}
+
+static vdna_status run_emd(void)
+{
+    double distance;
+    return vdna_emd_mean(&views[0], &views[1], scratch, sizeof scratch, &distance);
+}
+
+static vdna_status run_rank(void)
+{
+    return vdna_rank(&views[0], views + 1, CANDIDATES, scratch, sizeof scratch, ranking);
+}
+
+static vdna_status run_knn(void)
+{
+    vdna_knn_match match;
+    return vdna_knn(query, DIM, map, ROWS, 1, &match);
+}
+
+static const struct {
+    const char *name;
+    void (*prepare)(enum data data);
+    vdna_status (*run)(void);
+} things[] = {
+    {"hist_add", prepare_hist, run_hist_add},
+    {"emd", prepare_emd, run_emd},
+    {"rank", prepare_rank, run_rank},
+    {"knn", make_map, run_knn},
+};
+
+__attribute__((noipa)) vdna_status measured(vdna_status (*run)(void));
+vdna_status measured(vdna_status (*run)(void))
+{
+    return run();
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 3)
+        for (size_t t = 0; t < sizeof things / sizeof *things; t++)
+            for (int k = 0; k < KINDS; k++)
+                if (!strcmp(argv[1], things[t].name) && !strcmp(argv[2], kinds[k])) {
+                    things[t].prepare((enum data)k);
+                    return measured(things[t].run) == VDNA_OK ? 0 : 1;
+                }
+    return fprintf(stderr, "usage: instructions hist_add|emd|rank|knn random|constant|...\n"), 2;
+}

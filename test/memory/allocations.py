@@ -1,0 +1,31 @@
+"""Who allocates how often in a running program: reads what allocations.c counts.
+
+VDNA_ALLOCATION_COUNTER is the library that a program has to be started with.
+"""
+import os
+import struct
+
+OBJECTS, NAME = 512, 120
+
+
+class Allocations:
+    """The counts of a program that is started with `environment`."""
+
+    def __init__(self, path):
+        if os.path.exists(path):
+            os.unlink(path)
+        self._path = path
+        self.environment = {"LD_PRELOAD": os.environ["VDNA_ALLOCATION_COUNTER"],
+                            "VDNA_ALLOCATIONS": path}
+
+    def read(self):
+        """Bytes allocated and not freed, and calls by the name of the object that asked."""
+        with open(self._path, "rb") as file:
+            data = file.read()
+        live_bytes, = struct.unpack_from("<q", data)
+        calls = {}
+        for name, count in struct.iter_unpack(f"<{NAME}sQ", data[8:8 + OBJECTS * (NAME + 8)]):
+            if count:
+                name = name.split(b"\0")[0].decode()
+                calls[name] = calls.get(name, 0) + count
+        return live_bytes, calls

@@ -1,0 +1,40 @@
+"""memory.lock keeps what the daemon touches from being paged out. Not in a namespace, in which even
+root may not lock; where this user may not either, there is nothing to test.
+"""
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from selectord import Selectord, memory_of
+
+DAEMON = os.environ["VDNA_STUB_SELECTORD"]
+
+
+class Lock(unittest.TestCase):
+
+    def test_memory_is_locked_without_growing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([os.environ["VDNA_STUB_MAP"], folder], check=True)
+            path = os.path.join(folder, "lock.toml")
+            with open(path, "w", encoding="ascii") as file:
+                file.write("[memory]\nlock = true\n")
+            options = ("--map", folder, "-l", "memq://")
+            with Selectord(*options, program=DAEMON) as daemon:
+                free = memory_of(daemon.pid)
+            try:
+                locked_daemon = Selectord(*options, "-c", path, program=DAEMON)
+            except AssertionError as error:
+                self.assertIn("cannot be locked", str(error))
+                print(f"skipped: {error}")
+                sys.exit(77)
+            with locked_daemon:
+                locked = memory_of(locked_daemon.pid)
+        self.assertEqual(free["VmLck"], 0)
+        self.assertGreaterEqual(locked["VmLck"], locked["VmRSS"] * 3 // 4)
+        self.assertLess(locked["VmRSS"], free["VmRSS"] * 3 // 2)
+
+
+if __name__ == "__main__":
+    unittest.main()

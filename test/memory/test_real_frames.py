@@ -1,0 +1,77 @@
+"""Ten thousand camera frames over real LCM through the real daemon: JPEG decoded, the default
+network run, warmed up, ranked and localised again and again. From READY on our own code allocates
+nothing, and from the 100th frame on neither it nor ONNX Runtime, OpenCV or LCM hold more.
+
+VDNA_FRAMES sets another number of frames.
+"""
+import os
+import shutil
+import unittest
+
+import own_network
+from allocations import Allocations
+from selectord import Camera, Listener, Selectord, answer_of, memory_of, vdna
+
+WORK = os.path.abspath("real_frames")
+MAP, LIVE = os.path.join(WORK, "map"), os.path.join(WORK, "live")
+FRAMES = int(os.environ.get("VDNA_FRAMES", 10000))
+SETTLED = 100      # frames
+RESET_EVERY = 1000 # frames
+FLAT_LIVE = 64 << 10      # bytes allocated; ONNX Runtime's are among them
+FLAT_RESIDENT = 2 << 20   # bytes; what is freed for each frame is not always given back
+
+
+def prepare():
+    if os.path.exists(LIVE):
+        return
+    shutil.rmtree(WORK, ignore_errors=True)
+    drives = [os.path.join(WORK, condition) for condition in ("summer", "winter")]
+    for drive in drives:
+        vdna("simulate", drive, "--condition", os.path.basename(drive), "--frames", 40)
+    vdna("build", MAP, *drives)
+    vdna("simulate", LIVE + ".part", "--condition", "winter", "--frames", 30, "--drive", 7)
+    os.rename(LIVE + ".part", LIVE)
+
+
+def pictures():
+    found = []
+    for name in sorted(os.listdir(LIVE)):
+        if name.endswith(".jpg"):
+            with open(os.path.join(LIVE, name), "rb") as file:
+                found.append(file.read())
+    return found
+
+
+class RealFrames(unittest.TestCase):
+
+    def test_ten_thousand_frames_cost_no_allocation_of_ours_and_no_memory(self):
+        live = pictures()
+        allocations = Allocations(os.path.join(WORK, "allocations"))
+        with Listener("VDNA_LOCALISATION") as answers, Camera() as camera, \
+                Selectord("--map", MAP, "--warmup-frames", 30,
+                          environment=allocations.environment) as daemon:
+            ready = allocations.read()[1]["program"]
+            for frame in range(FRAMES + SETTLED):
+                if frame == SETTLED:
+                    early, early_memory = allocations.read(), memory_of(daemon.pid)
+                if frame % RESET_EVERY == SETTLED // 2:
+                    vdna("command", "reset")
+                camera.send_jpeg(frame, live[frame % len(live)])
+                utime, _, skipped = answer_of(answers.next())
+                self.assertEqual((utime, skipped), (frame, 0))
+            late, late_memory = allocations.read(), memory_of(daemon.pid)
+
+        more = {name: count - early[1].get(name, 0) for name, count in late[1].items()}
+        print(f"over {FRAMES} frames: live {early[0]} -> {late[0]} bytes, resident "
+              f"{early_memory['VmRSS']} -> {late_memory['VmRSS']}; allocations per frame: " +
+              ", ".join(f"{name} {count / FRAMES:.2f}" for name, count in more.items() if count))
+        self.assertGreater(ready, 0)  # else nothing is being counted
+        self.assertEqual(late[1]["program"], ready)
+        self.assertTrue(any("onnxruntime" in name and count > FRAMES
+                            for name, count in more.items()))
+        self.assertLess(abs(late[0] - early[0]), FLAT_LIVE)
+        self.assertLess(late_memory["VmRSS"] - early_memory["VmRSS"], FLAT_RESIDENT)
+
+
+if __name__ == "__main__":
+    own_network.run_tests_apart(prepare)

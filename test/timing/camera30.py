@@ -1,0 +1,30 @@
+"""A camera that sends 30 frames a second, whatever becomes of them."""
+import threading
+import time
+
+PERIOD = 1 / 30  # seconds
+
+
+class Camera30:
+    """Sends pictures in turn from a thread, numbered by their stamp, until the block ends."""
+
+    def __init__(self, camera, pictures):
+        self._camera, self._pictures = camera, pictures
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self.sent = 0
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self._stop.set()
+        self._thread.join()
+
+    def _run(self):
+        next_time = time.monotonic()
+        while not self._stop.wait(max(0, next_time - time.monotonic())):
+            self._camera.send_jpeg(self.sent, self._pictures[self.sent % len(self._pictures)])
+            self.sent += 1
+            next_time += PERIOD

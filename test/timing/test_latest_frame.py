@@ -1,0 +1,56 @@
+"""The latest frame wins: a camera of 30 Hz and a network that takes 160 ms. The age of the frames
+that are answered is measured from LCM's stamp to the answer, and given in times of the network, as
+the same run measures it; so nothing here depends on the speed of the machine.
+
+Expected: one network time and half a camera period to wait, that is 1.1. Were frames queued and
+answered in turn, the age would grow to LCM's 30 frames: 30 network times.
+"""
+import os
+import statistics
+import subprocess
+import unittest
+
+import own_network
+from camera30 import Camera30
+from selectord import Camera, Listener, Selectord, Watch, answer_of
+
+NETWORK_US = 160000
+AGE_MAX = 1.3   # network times
+ANSWERS = 60    # ten seconds
+WORK = os.path.abspath("latest_frame")
+
+
+def prepare():
+    subprocess.run([os.environ["VDNA_STUB_MAP"], WORK], check=True)
+
+
+class LatestFrame(unittest.TestCase):
+
+    def test_the_age_of_answered_frames_stays_near_one_inference(self):
+        with Listener("VDNA_LOCALISATION") as answers, Watch() as watch, Camera() as camera, \
+                Selectord("--map", WORK, "--warmup-frames", 5,
+                          program=os.environ["VDNA_STUB_SELECTORD"],
+                          environment={"VDNA_STUB_US": str(NETWORK_US)}):
+            with Camera30(camera, [b"picture"]) as camera30:
+                seen = [answer_of(answers.next()) for _ in range(ANSWERS)]
+            sent = camera30.sent
+            status = watch.wait_for("status", lambda status: status["received"] == sent)
+
+        network_us = status["inference"]["p50_us"]
+        ages = [latency_us / network_us for _, latency_us, _ in seen]
+        print(f"network {network_us / 1000:.1f} ms; age in network times: mean "
+              f"{statistics.mean(ages):.3f}, median {statistics.median(ages):.3f}, "
+              f"longest {max(ages):.3f}")
+        self.assertLess(statistics.median(ages), AGE_MAX)
+        # A sleep that ends late now and then weighs little in this mean, and nothing in the median.
+        self.assertLess(statistics.mean(sorted(ages)[:-ANSWERS // 10]), AGE_MAX)
+
+        # Stamps number the frames: between two answers exactly the declared ones are missing.
+        for (before, _, _), (utime, _, skipped) in zip(seen, seen[1:]):
+            self.assertEqual(utime - before - 1, skipped)
+        self.assertEqual(status["received"], status["processed"] + status["skipped"])
+        self.assertGreater(status["skipped"], 2 * status["processed"])
+
+
+if __name__ == "__main__":
+    own_network.run_tests_apart(prepare)
