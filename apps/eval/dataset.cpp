@@ -80,6 +80,16 @@ Dataset load_dataset(const std::string &path, const std::string &format, size_t 
     return dataset;
 }
 
+std::string usual_warmup(const Dataset &dataset)
+{
+    if (!dataset.warmup.empty())
+        return dataset.warmup;
+    size_t shortest = 250;
+    for (const DatasetTraversal &traversal : dataset.traversals)
+        shortest = std::min(shortest, traversal.frames.size());
+    return std::to_string(std::max<size_t>(shortest * 2 / 5, 2));
+}
+
 std::vector<fs::path> folders_in(const fs::path &path)
 {
     std::vector<fs::path> folders;

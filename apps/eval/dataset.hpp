@@ -26,7 +26,7 @@ struct Dataset {
     std::vector<DatasetTraversal> traversals;
     // What its authors evaluate it with:
     double tolerance = 5;
-    std::string warmup; // "100" or "45s"; "" = two fifths of the shortest, at most 100 frames
+    std::string warmup; // "100" or "45s"; "" = see usual_warmup()
     uint32_t stride = 1;
 };
 
@@ -50,6 +50,9 @@ Dataset load_manifest(const std::filesystem::path &path);
 Dataset load_nordland(const std::filesystem::path &path, size_t partition_frames);
 Dataset load_parks(const std::filesystem::path &path);
 Dataset load_utm(const std::filesystem::path &path);
+
+// The data set's own, else two fifths of the shortest traversal, but at most the paper's 100.
+std::string usual_warmup(const Dataset &dataset);
 
 // The visible folders within a folder, by name.
 std::vector<std::filesystem::path> folders_in(const std::filesystem::path &path);

@@ -120,6 +120,7 @@ Json json_of(const Evaluation &evaluation, const std::vector<Ablation> &ablation
     const vdna_backbone_info &backbone = evaluation.backbone;
     Json json = {{"backbone", backbone.name},
                  {"model_sha256", backbone.model_sha256},
+                 {"precision", backbone.precision},
                  {"taps", backbone.taps},
                  {"runtime", backbone.runtime},
                  {"dataset", evaluation.dataset},

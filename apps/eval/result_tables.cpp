@@ -5,6 +5,7 @@
 
 #include "placing.hpp"
 #include "print.hpp"
+#include "text_table.hpp"
 
 namespace vdna
 {
@@ -13,45 +14,6 @@ namespace
 {
 
 constexpr size_t line_width = 100; // tables that are wider are broken into several
-
-// Cells in columns; the first row is the header.
-class TextTable
-{
-  public:
-    void begin_row() { rows_.emplace_back(); }
-    // marked: the escape sequence before the text, "" for none.
-    void add(const std::string &text, const std::string &marked = "")
-    {
-        const size_t column = rows_.back().size();
-        if (column == widths_.size())
-            widths_.push_back(0);
-        widths_[column] = std::max(widths_[column], text.size());
-        rows_.back().push_back({text, marked});
-    }
-
-    // Left-aligned, two blanks between columns.
-    std::string text() const
-    {
-        std::string text;
-        for (const std::vector<Cell> &row : rows_) {
-            std::string line;
-            for (size_t i = 0; i < row.size(); i++) {
-                const std::string blanks(widths_[i] - row[i].text.size() + 2, ' ');
-                line += row[i].mark.empty() ? row[i].text : row[i].mark + row[i].text + "\x1b[0m";
-                line += i + 1 < row.size() ? blanks : "";
-            }
-            text += line + "\n";
-        }
-        return text;
-    }
-
-  private:
-    struct Cell {
-        std::string text, mark;
-    };
-    std::vector<std::vector<Cell>> rows_;
-    std::vector<size_t> widths_;
-};
 
 // Short enough to compare at a glance, long enough not to hide a difference.
 std::string distance_text(double value)

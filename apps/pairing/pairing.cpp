@@ -70,6 +70,9 @@ void Map::require_backbone(const vdna_backbone_info &backbone) const
                     "--backbone " +
                     backbone.name + "`");
     };
+    // Where it is the reason that the models differ, it says more than their hashes.
+    if (std::string(map.model_sha256) != backbone.model_sha256)
+        require_same("precision", map.precision, backbone.precision);
     require_same("model_sha256", map.model_sha256, backbone.model_sha256);
     require_same("preprocessing", map.preprocessing, backbone.preprocessing);
     require_same("taps", map.taps, backbone.taps);

@@ -196,6 +196,7 @@ class Build
         vdna_experience e{};
         set_text(e.backbone, backbone_.info().name);
         set_text(e.model_sha256, backbone_.info().model_sha256);
+        set_text(e.precision, backbone_.info().precision);
         set_text(e.preprocessing, backbone_.info().preprocessing);
         set_text(e.taps, backbone_.info().taps);
         e.neurons = backbone_.info().neurons;

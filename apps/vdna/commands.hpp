@@ -18,5 +18,6 @@ void add_command(CLI::App &app);
 void add_simulate(CLI::App &app);
 void add_eval(CLI::App &app);
 void add_metrics(CLI::App &app);
+void add_model(CLI::App &app);
 
 } // namespace vdna

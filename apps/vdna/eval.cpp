@@ -78,17 +78,6 @@ Dataset dataset_of(const EvalOptions &o)
     return dataset;
 }
 
-// The data set's own, else two fifths of the shortest traversal, but at most the paper's 100.
-std::string usual_warmup(const Dataset &dataset)
-{
-    if (!dataset.warmup.empty())
-        return dataset.warmup;
-    size_t shortest = 250;
-    for (const DatasetTraversal &traversal : dataset.traversals)
-        shortest = std::min(shortest, traversal.frames.size());
-    return std::to_string(std::max<size_t>(shortest * 2 / 5, 2));
-}
-
 // A list is for an ablation; a single value is a setting.
 template <typename Value>
 void require_single(const std::vector<Value> &values, const std::string &option,

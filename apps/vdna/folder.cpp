@@ -31,6 +31,20 @@ bool is_hidden(const fs::path &file)
     return file.filename().string()[0] == '.';
 }
 
+// In no order.
+std::vector<fs::path> find_pictures(const fs::path &folder)
+{
+    std::vector<fs::path> files;
+    std::error_code failure;
+    for (fs::directory_iterator file(folder, failure), end; !failure && file != end;
+         file.increment(failure))
+        if (is_picture(*file) && !is_hidden(*file) && file->is_regular_file())
+            files.push_back(*file);
+    if (failure)
+        throw Error(folder.string() + ": cannot read this folder: " + failure.message());
+    return files;
+}
+
 class FolderReader : public Reader
 {
   public:
@@ -72,16 +86,14 @@ class FolderReader : public Reader
 
 } // namespace
 
+bool holds_pictures(const fs::path &folder)
+{
+    return !find_pictures(folder).empty();
+}
+
 std::vector<fs::path> pictures_in(const fs::path &folder)
 {
-    std::vector<fs::path> files;
-    std::error_code failure;
-    for (fs::directory_iterator file(folder, failure), end; !failure && file != end;
-         file.increment(failure))
-        if (is_picture(*file) && !is_hidden(*file) && file->is_regular_file())
-            files.push_back(*file);
-    if (failure)
-        throw Error(folder.string() + ": cannot read this folder: " + failure.message());
+    std::vector<fs::path> files = find_pictures(folder);
     if (files.empty())
         throw Error(folder.string() + ": no pictures in this folder, expected .jpg, .png, "
                                       ".webp, .bmp, .ppm or .tif files");

@@ -58,6 +58,7 @@ Json json_of(const Experience &file)
             {"dim", e.dim},
             {"backbone", e.backbone},
             {"model_sha256", e.model_sha256},
+            {"precision", e.precision},
             {"preprocessing", e.preprocessing},
             {"taps", e.taps},
             {"comparable", e.comparable}};

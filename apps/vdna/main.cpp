@@ -23,6 +23,7 @@ void add_commands(CLI::App &app)
     vdna::add_simulate(app);
     vdna::add_eval(app);
     vdna::add_metrics(app);
+    vdna::add_model(app);
 }
 
 int fail(const std::string &sentence, int code)

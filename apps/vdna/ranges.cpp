@@ -29,9 +29,13 @@ Ranges from_experience(const std::string &path)
 {
     const Experience file(path);
     const vdna_experience &e = *file.get();
-    return {path,           e.backbone,
-            e.model_sha256, e.preprocessing,
-            e.taps,         {e.range, e.range + size_t{2} * e.neurons}};
+    return {path,
+            e.backbone,
+            e.model_sha256,
+            e.precision,
+            e.preprocessing,
+            e.taps,
+            {e.range, e.range + size_t{2} * e.neurons}};
 }
 
 Ranges from_json(const std::string &path, const Json &json)
@@ -42,6 +46,7 @@ Ranges from_json(const std::string &path, const Json &json)
     Ranges ranges{path,
                   json.at("backbone"),
                   json.at("model_sha256"),
+                  json.value("precision", "fp32"),
                   json.at("preprocessing"),
                   json.at("taps"),
                   {}};
@@ -57,9 +62,13 @@ Ranges from_json(const std::string &path, const Json &json)
 const char *const range_rules[2] = {"midpoint", "zero"};
 
 Calibration::Calibration(const vdna_backbone_info &backbone)
-    : observed_{"calibration",         backbone.name,
-                backbone.model_sha256, backbone.preprocessing,
-                backbone.taps,         std::vector<float>(size_t{2} * backbone.neurons)}
+    : observed_{"calibration",
+                backbone.name,
+                backbone.model_sha256,
+                backbone.precision,
+                backbone.preprocessing,
+                backbone.taps,
+                std::vector<float>(size_t{2} * backbone.neurons)}
 {
     require_ok(vdna_range_clear(observed_.values.data(), backbone.neurons), observed_.origin);
 }
@@ -104,15 +113,11 @@ void write_ranges(const Ranges &ranges, uint32_t rule, const std::string &path)
     Json pairs = Json::array();
     for (size_t i = 0; i < ranges.values.size(); i += 2)
         pairs.push_back({ranges.values[i], ranges.values[i + 1]});
-    const Json json = {{"format", format_name},
-                       {"version", format_version},
-                       {"backbone", ranges.backbone},
-                       {"model_sha256", ranges.model_sha256},
-                       {"preprocessing", ranges.preprocessing},
-                       {"taps", ranges.taps},
-                       {"factor", VDNA_RANGE_FACTOR},
-                       {"rule", range_rules[rule]},
-                       {"range", pairs}};
+    const Json json = {{"format", format_name},         {"version", format_version},
+                       {"backbone", ranges.backbone},   {"model_sha256", ranges.model_sha256},
+                       {"precision", ranges.precision}, {"preprocessing", ranges.preprocessing},
+                       {"taps", ranges.taps},           {"factor", VDNA_RANGE_FACTOR},
+                       {"rule", range_rules[rule]},     {"range", pairs}};
     write_whole_file(path, json.dump() + "\n");
 }
 
@@ -126,6 +131,9 @@ void require_backbone(const Ranges &ranges, const vdna_backbone_info &backbone)
                         backbone.name + "; use the other backbone, or `vdna calibrate --backbone " +
                         backbone.name + "`");
     };
+    // Where it is the reason that the models differ, it says more than their hashes.
+    if (ranges.model_sha256 != backbone.model_sha256)
+        require_same("precision", ranges.precision, backbone.precision);
     require_same("model_sha256", ranges.model_sha256, backbone.model_sha256);
     require_same("preprocessing", ranges.preprocessing, backbone.preprocessing);
     require_same("taps", ranges.taps, backbone.taps);

@@ -16,6 +16,7 @@ struct Ranges {
     std::string origin; // for complaints: the file it came from, or "calibration"
     std::string backbone;
     std::string model_sha256;
+    std::string precision;
     std::string preprocessing;
     std::string taps;
     std::vector<float> values; // [neurons][2]

@@ -87,6 +87,9 @@ std::unique_ptr<Reader> open_lcm_log(const std::string &path, const std::string 
 // The pictures of a folder, in the order of their names; none is an Error.
 std::vector<std::filesystem::path> pictures_in(const std::filesystem::path &folder);
 
+// Are there pictures in this folder? Throws Error if it cannot be read.
+bool holds_pictures(const std::filesystem::path &folder);
+
 // The bytes of a picture file. Throws BadFrame.
 std::vector<uint8_t> read_picture(const std::filesystem::path &file);
 

@@ -17,6 +17,7 @@
 #include "manifest_path.hpp"
 #include "model.hpp"
 #include "preprocess.hpp"
+#include "processor.hpp"
 #include "runtime.hpp"
 #include "session.hpp"
 
@@ -97,6 +98,16 @@ void copy_text(char (&out)[Room], const std::string &text, const char *what)
     std::memcpy(out, text.c_str(), text.size() + 1);
 }
 
+void require_processor(const Manifest &manifest)
+{
+    if (manifest.precision == "int8" && !adds_int8_products_exactly())
+        throw Failure(VDNA_ERR_UNSUPPORTED,
+                      "backbone " + manifest.name +
+                          ": is int8, and this processor has neither AVX-512 VNNI nor AVX-VNNI: it "
+                          "would give other numbers than processors that have; use the fp32 "
+                          "network and a map made with it");
+}
+
 void fill_info(vdna_backbone &backbone, const Manifest &manifest, uint32_t max_pixels)
 {
     vdna_backbone_info &info = backbone.info;
@@ -104,6 +115,8 @@ void fill_info(vdna_backbone &backbone, const Manifest &manifest, uint32_t max_p
     copy_text(info.model_sha256, manifest.sha256, "the SHA-256");
     copy_text(info.preprocessing, preprocessing_text(manifest), "the preprocessing");
     copy_text(info.taps, taps_text(manifest, backbone.taps), "the list of taps");
+    copy_text(info.precision, manifest.precision, "the precision");
+    copy_text(info.quantised_from, manifest.quantised_from, "the SHA-256 of the original");
     copy_text(info.runtime, "onnxruntime " + backbone.runtime.version(), "the runtime's version");
     info.tap_count = static_cast<uint32_t>(backbone.taps.size());
     info.neurons = backbone.neurons;
@@ -199,6 +212,7 @@ vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *e
                          threads_max, VDNA_IMAGE_PIXELS_MAX);
     return guarded(error, [&] {
         const Manifest manifest = read_manifest(find_manifest(config->manifest));
+        require_processor(manifest);
         *out_backbone = new vdna_backbone(manifest, *config);
     });
 }
@@ -235,13 +249,10 @@ vdna_status vdna_backbone_run(vdna_backbone *backbone, const vdna_image *image, 
         const auto inferred = Clock::now();
         require_finite(*backbone);
 
-        *out_frame = {backbone->taps.data(),
-                      backbone->embedding.data(),
-                      backbone->taps.size(),
-                      backbone->info.dim,
-                      grey,
-                      elapsed_us(begin, decoded),
-                      elapsed_us(decoded, resized),
+        *out_frame = {backbone->taps.data(),        backbone->embedding.data(),
+                      backbone->session.input(),    backbone->taps.size(),
+                      backbone->info.dim,           grey,
+                      elapsed_us(begin, decoded),   elapsed_us(decoded, resized),
                       elapsed_us(resized, inferred)};
     });
 }

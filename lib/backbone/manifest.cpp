@@ -24,6 +24,8 @@ constexpr const char *digits = "0123456789";
 
 using Keys = std::initializer_list<std::string_view>;
 
+const Keys interpolation_names = {"area", "linear", "cubic", "pillow_bicubic"};
+
 std::string listed(Keys keys)
 {
     std::string list;
@@ -48,6 +50,8 @@ class Reader
   private:
     Input input(const toml::table &table) const;
     std::vector<TappedOutput> taps(const toml::table &root) const;
+    std::string precision(const toml::table &root) const;
+    std::string quantised_from(const toml::table &root) const;
 
     void allow_only(const toml::table &table, Keys keys) const;
     const toml::node &need(const toml::table &table, std::string_view key,
@@ -189,7 +193,7 @@ Input Reader::input(const toml::table &table) const
         refuse(table.get("std")->source(), "'std' is divided by: its numbers must be above 0");
     choice(table, "resize", {"stretch"});
     input.interpolation =
-        static_cast<Interpolation>(choice(table, "interpolation", {"area", "linear", "cubic"}));
+        static_cast<Interpolation>(choice(table, "interpolation", interpolation_names));
     return input;
 }
 
@@ -213,14 +217,33 @@ std::vector<TappedOutput> Reader::taps(const toml::table &root) const
     return taps;
 }
 
+std::string Reader::precision(const toml::table &root) const
+{
+    if (!root.contains("precision"))
+        return "fp32";
+    return choice(root, "precision", {"fp32", "int8"}) == 1 ? "int8" : "fp32";
+}
+
+std::string Reader::quantised_from(const toml::table &root) const
+{
+    if (!root.contains("quantised"))
+        return "";
+    const toml::table &table = section(root, "quantised");
+    allow_only(table, {"from_sha256", "method"});
+    text(table, "method"); // for people only
+    return hash(table, "from_sha256");
+}
+
 Manifest Reader::manifest(const toml::table &root) const
 {
-    allow_only(root,
-               {"name", "model", "sha256", "source", "licence", "input", "taps", "embedding"});
+    allow_only(root, {"name", "model", "sha256", "source", "licence", "precision", "quantised",
+                      "input", "taps", "embedding"});
     Manifest manifest{};
     manifest.name = plain_name(root, "name");
     manifest.model = file_.parent_path() / text(root, "model");
     manifest.sha256 = hash(root, "sha256");
+    manifest.precision = precision(root);
+    manifest.quantised_from = quantised_from(root);
     // For people only, yet a network without them is not one to ship.
     text(root, "source");
     text(root, "licence");
@@ -262,11 +285,10 @@ Manifest read_manifest(const std::filesystem::path &file)
 std::string preprocessing_text(const Manifest &manifest)
 {
     const Input &input = manifest.input;
-    static const char *const interpolation[] = {"area", "linear", "cubic"};
     return std::to_string(input.width) + "x" + std::to_string(input.height) +
            (input.bgr ? " BGR" : " RGB") + " mean=" + triple(input.mean) +
            " std=" + triple(input.std) + " resize=stretch/" +
-           interpolation[static_cast<size_t>(input.interpolation)] +
+           std::string(interpolation_names.begin()[static_cast<size_t>(input.interpolation)]) +
            " l2=" + (manifest.l2_normalise ? "1" : "0");
 }
 

@@ -12,7 +12,9 @@
 namespace vdna
 {
 
-enum class Interpolation { area, linear, cubic };
+// In the order of interpolation_names. pillow_bicubic: as Python's Pillow, to the last bit; the
+// others: as OpenCV.
+enum class Interpolation { area, linear, cubic, pillow_bicubic };
 
 // What becomes of a picture before the network sees it.
 struct Input {
@@ -35,7 +37,9 @@ struct TappedOutput {
 struct Manifest {
     std::string name;
     std::filesystem::path model;
-    std::string sha256; // of the model file: 64 lower-case hexadecimal digits
+    std::string sha256;         // of the model file: 64 lower-case hexadecimal digits
+    std::string precision;      // of its arithmetic: "fp32" or "int8"
+    std::string quantised_from; // SHA-256 of the model it was made from; "" = none
     Input input;
     std::vector<TappedOutput> taps; // >= 1, all different
     std::string embedding;          // ONNX output, which may also be tapped

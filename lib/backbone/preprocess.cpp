@@ -20,11 +20,19 @@ int opencv_name(Interpolation interpolation)
     }
 }
 
+// Where both ratios are whole OpenCV is quick, and rounds its own way. Where a side grows its area
+// is another thing.
+bool is_left_to_opencv(cv::Size from, cv::Size to)
+{
+    return (from.width % to.width == 0 && from.height % to.height == 0) || from.width < to.width ||
+           from.height < to.height;
+}
+
 } // namespace
 
 Preprocessor::Preprocessor(const Input &input)
     : size_(static_cast<int>(input.width), static_cast<int>(input.height)),
-      interpolation_(opencv_name(input.interpolation)),
+      interpolation_(input.interpolation),
       order_(input.bgr ? std::array<size_t, 3>{2, 1, 0} : std::array<size_t, 3>{0, 1, 2}), tables_()
 {
     for (size_t c = 0; c < tables_.size(); c++)
@@ -33,19 +41,50 @@ Preprocessor::Preprocessor(const Input &input)
                 static_cast<float>((static_cast<double>(level) - input.mean[c]) / input.std[c]);
 }
 
+void Preprocessor::prepare(cv::Size from)
+{
+    if (from == from_)
+        return;
+    from_ = from;
+    area_.reset();
+    pillow_.reset();
+    if (interpolation_ == Interpolation::pillow_bicubic)
+        pillow_.emplace(from, size_);
+    else if (interpolation_ == Interpolation::area && !is_left_to_opencv(from, size_))
+        area_.emplace(from, size_);
+}
+
 void Preprocessor::run(const Picture &picture, float *out)
 {
-    cv::resize(picture.pixels, resized_, size_, 0, 0, interpolation_);
+    prepare(picture.pixels.size());
+    if (area_) {
+        row_.resize(static_cast<size_t>(size_.width * picture.pixels.channels()));
+        for (int y = 0; y < size_.height; y++) {
+            area_->row(picture.pixels, y, row_.data());
+            normalise_row(row_.data(), picture, y, out);
+        }
+        return;
+    }
+    if (pillow_)
+        pillow_->run(picture.pixels, resized_);
+    else
+        cv::resize(picture.pixels, resized_, size_, 0, 0, opencv_name(interpolation_));
+    for (int y = 0; y < size_.height; y++)
+        normalise_row(resized_.ptr(y), picture, y, out);
+}
 
-    const auto channels = static_cast<size_t>(resized_.channels());
+// Row y of all channels of the network, from 8-bit pixels.
+void Preprocessor::normalise_row(const uint8_t *row, const Picture &picture, int y,
+                                 float *out) const
+{
+    const auto width = static_cast<size_t>(size_.width), height = static_cast<size_t>(size_.height);
+    const auto channels = static_cast<size_t>(picture.pixels.channels());
     for (size_t c = 0; c < tables_.size(); c++) {
         const Table &table = tables_[c];
-        const auto offset = static_cast<size_t>(picture.rgb[order_[c]]);
-        for (int y = 0; y < size_.height; y++) {
-            const uint8_t *row = resized_.ptr(y) + offset;
-            for (int x = 0; x < size_.width; x++)
-                *out++ = table[row[static_cast<size_t>(x) * channels]];
-        }
+        const uint8_t *level = row + picture.rgb[order_[c]];
+        float *to = out + (c * height + static_cast<size_t>(y)) * width;
+        for (size_t x = 0; x < width; x++)
+            to[x] = table[level[x * channels]];
     }
 }
 

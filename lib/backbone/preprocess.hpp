@@ -2,11 +2,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "decode.hpp"
 #include "manifest.hpp"
+#include "resample.hpp"
 
 namespace vdna
 {
@@ -23,11 +26,20 @@ class Preprocessor
   private:
     using Table = std::array<float, 256>;
 
+    void prepare(cv::Size from);
+    void normalise_row(const uint8_t *row, const Picture &picture, int y, float *out) const;
+
     cv::Size size_;
-    int interpolation_;           // cv::INTER_...
+    Interpolation interpolation_;
     std::array<size_t, 3> order_; // which of red, green, blue each channel of the network is
     std::array<Table, 3> tables_; // per channel of the network: 8-bit level -> normalised
+
+    // For pictures of size `from_`.
+    cv::Size from_;
+    std::optional<AreaResampler> area_;
+    std::optional<PillowResampler> pillow_;
     cv::Mat resized_;
+    std::vector<uint8_t> row_;
 };
 
 } // namespace vdna

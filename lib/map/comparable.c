@@ -1,4 +1,5 @@
 #include "comparable.h"
+#include "precision.h"
 #include <fail.h>
 #include <inttypes.h>
 #include <sha2.h>
@@ -64,6 +65,19 @@ static vdna_status differ_in_number(vdna_error *error, const vdna_experience *a,
     return differ(error, a, b, field, text_a, text_b);
 }
 
+static vdna_status compare_models(const vdna_experience *a, const vdna_experience *b,
+                                  vdna_error *error)
+{
+    if (strcmp(a->model_sha256, b->model_sha256) == 0)
+        return VDNA_OK;
+    /* Where it is the reason that the models differ, it says more than their hashes. */
+    const char *of_a = a->precision[0] ? a->precision : VDNA_PRECISION_DEFAULT;
+    const char *of_b = b->precision[0] ? b->precision : VDNA_PRECISION_DEFAULT;
+    if (strcmp(of_a, of_b) != 0)
+        return differ(error, a, b, "precision", of_a, of_b);
+    return differ(error, a, b, "model_sha256", a->model_sha256, b->model_sha256);
+}
+
 static vdna_status compare_ranges(const vdna_experience *a, const vdna_experience *b,
                                   vdna_error *error)
 {
@@ -87,8 +101,9 @@ vdna_status vdna_experience_compare(const vdna_experience *a, const vdna_experie
 {
     if (!a || !b)
         return vdna_fail(error, VDNA_ERR_ARG, "experiences to compare must not be NULL");
-    if (strcmp(a->model_sha256, b->model_sha256) != 0)
-        return differ(error, a, b, "model_sha256", a->model_sha256, b->model_sha256);
+    const vdna_status status = compare_models(a, b, error);
+    if (status != VDNA_OK)
+        return status;
     if (strcmp(a->preprocessing, b->preprocessing) != 0)
         return differ(error, a, b, "preprocessing", a->preprocessing, b->preprocessing);
     if (strcmp(a->taps, b->taps) != 0)

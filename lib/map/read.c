@@ -2,6 +2,7 @@
 #include "comparable.h"
 #include "crc32c.h"
 #include "layout.h"
+#include "precision.h"
 #include "rules.h"
 #include <fail.h>
 #include <inttypes.h>
@@ -93,6 +94,14 @@ static vdna_status read_text(const vdna_header *header, const char *key, char *o
     return VDNA_OK;
 }
 
+static vdna_status read_precision(const vdna_header *header, vdna_error *reason, vdna_experience *e)
+{
+    if (vdna_header_text(header, "precision"))
+        return read_text(header, "precision", e->precision, sizeof e->precision, reason);
+    memcpy(e->precision, VDNA_PRECISION_DEFAULT, sizeof VDNA_PRECISION_DEFAULT);
+    return VDNA_OK;
+}
+
 static vdna_status read_texts(const vdna_header *header, vdna_error *reason, vdna_experience *e)
 {
     const struct {
@@ -113,7 +122,7 @@ static vdna_status read_texts(const vdna_header *header, vdna_error *reason, vdn
         if (status != VDNA_OK)
             return status;
     }
-    return VDNA_OK;
+    return read_precision(header, reason, e);
 }
 
 /* Take two of the experience's sizes from a tensor that has both. */

@@ -1,5 +1,6 @@
 #include "rules.h"
 #include "layout.h"
+#include "precision.h"
 #include <fail.h>
 #include <inttypes.h>
 #include <math.h>
@@ -62,6 +63,8 @@ static vdna_status check_texts(const vdna_experience *e, vdna_error *reason)
     if (status == VDNA_OK)
         status = check_text("preprocessing", e->preprocessing, sizeof e->preprocessing,
                             is_printable, text, reason);
+    if (status == VDNA_OK && !vdna_precision_is_default(e->precision))
+        status = check_text("precision", e->precision, sizeof e->precision, is_name, name, reason);
     if (status == VDNA_OK)
         status = check_text("taps", e->taps, sizeof e->taps, is_printable, text, reason);
     if (status == VDNA_OK)

@@ -1,6 +1,7 @@
 #include "comparable.h"
 #include "crc32c.h"
 #include "layout.h"
+#include "precision.h"
 #include "replace.h"
 #include "rules.h"
 #include <assert.h>
@@ -9,8 +10,9 @@
 #include <stdarg.h>
 #include <string.h>
 
-/* Two long texts and four short ones, each byte escaped, and about 100 bytes for each tensor. */
-#define HEADER_SIZE 8192u
+/* Taps, preprocessing and five short texts, each byte escaped, and about 100 bytes for each tensor.
+ */
+#define HEADER_SIZE 12288u
 
 /* The header as it grows: first its own length, 8 bytes little-endian, then the JSON. */
 typedef struct header_text {
@@ -64,6 +66,8 @@ static void append_metadata(header_text *text, const vdna_experience *e)
     append_text(text, "backbone", e->backbone);
     append_text(text, "model_sha256", e->model_sha256);
     append_text(text, "preprocessing", e->preprocessing);
+    if (!vdna_precision_is_default(e->precision))
+        append_text(text, "precision", e->precision);
     append_text(text, "taps", e->taps);
     append_text(text, "comparable", comparable);
     append(text, "\"format_version\":\"%u\"},", VDNA_MAP_FORMAT);

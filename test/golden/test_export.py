@@ -32,7 +32,6 @@ from torch_file import MAGIC, PROTOCOL, CheckpointError, Tensor, read_checkpoint
 EXPORT_CHECK = os.environ["VDNA_EXPORT_CHECK"]
 GOLDEN = json.loads((HERE / "export.json").read_text())
 TOLERANCE = 1e-4  # of the largest value of an output
-TAPS_AT_ONCE = 17  # so that their list fits vdna_backbone_info
 BINS, LOW, HIGH = 50, -1.0, 2.0  # some activations lie beyond, some on edges
 
 
@@ -92,15 +91,9 @@ class Outputs:
             BINS, self.neurons)
 
 
-def with_taps(text, wanted):
-    """Return the manifest with these taps in use, and no others."""
-    head, *sections = re.split(r"^(?=#?\[\[taps\]\]$)", text, flags=re.M)
-    used = []
-    for section in sections:
-        section = re.sub(r"^#", "", section, flags=re.M)
-        if re.search(r'^output = "(.*?)"', section, re.M)[1] in wanted:
-            used.append(section)
-    return head + "".join(used)
+def with_all_taps(text):
+    head, taps = re.split(r"^(?=#?\[\[taps\]\]$)", text, maxsplit=1, flags=re.M)
+    return head + re.sub(r"^#", "", taps, flags=re.M)
 
 
 def recounted(outputs, is_map):
@@ -130,24 +123,21 @@ class AgainstPyTorch(unittest.TestCase):
         self.assertLess(np.abs(found - expected).max(), TOLERANCE * scale, what)
 
     def compare(self, case):
-        """Compare all outputs, some taps at a time, and the histograms of all taps."""
+        """Compare all outputs, tapped at once, and the histograms of all taps."""
         golden = GOLDEN[case]["outputs"]
         text = (self.folder / f"{case}.toml").read_text()
-        names = list(golden)
-        for first in range(0, len(names), TAPS_AT_ONCE):
-            manifest = self.folder / "some.toml"
-            manifest.write_text(with_taps(text, names[first:first + TAPS_AT_ONCE]))
-            outputs = Outputs(manifest, case, self.folder)
-            self.assertEqual({name for name, _, _ in outputs.taps},
-                             set(names[first:first + TAPS_AT_ONCE]))
-            for number in range(PICTURES):
-                self.close(outputs.embeddings[number], golden["embedding"][number], "embedding")
-                for (name, _, _), values in zip(outputs.taps, outputs.values):
-                    found = values[number]
-                    self.close(found if name == "embedding" else sampled(found),
-                               golden[name][number], f"{name} of picture {number}")
-            np.testing.assert_array_equal(
-                outputs.counts, recounted(outputs, lambda name: name.startswith("layer")))
+        manifest = self.folder / "all.toml"
+        manifest.write_text(with_all_taps(text))
+        outputs = Outputs(manifest, case, self.folder)
+        self.assertEqual({name for name, _, _ in outputs.taps}, set(golden))
+        for number in range(PICTURES):
+            self.close(outputs.embeddings[number], golden["embedding"][number], "embedding")
+            for (name, _, _), values in zip(outputs.taps, outputs.values):
+                found = values[number]
+                self.close(found if name == "embedding" else sampled(found),
+                           golden[name][number], f"{name} of picture {number}")
+        np.testing.assert_array_equal(
+            outputs.counts, recounted(outputs, lambda name: name.startswith("layer")))
 
     def test_cosplace_resnet101_equals_pytorch_at_every_block(self):
         export_generated("cosplace", "cosplace_resnet101_128", self.folder)

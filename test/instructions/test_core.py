@@ -24,15 +24,16 @@ ROOT = os.path.dirname(os.path.dirname(HERE))
 CORE = os.environ.get("VDNA_CORE", os.path.join(ROOT, "lib", "core"))
 INCLUDE = os.environ.get("VDNA_INCLUDE", os.path.join(ROOT, "lib", "include"))
 BASELINE = os.path.join(HERE, "baseline.json")
-FLAGS = ["-std=c99", "-O2", "-march=x86-64", "-mtune=generic", "-ffp-contract=off"]
+# The last one: as for proofs, without the copies of loops that the loader chooses by the processor.
+FLAGS = ["-std=c99", "-O2", "-march=x86-64", "-mtune=generic", "-ffp-contract=off", "-D__FRAMAC__"]
 THINGS = ["hist_add", "emd", "rank", "knn"]
 KINDS = ["random", "constant", "sorted", "extreme"]
 DRIFT_MAX = 0.01      # from the baseline
-# Largest over smallest count, over all kinds of data. Histograms look twice, the second time in
-# double precision, at a value near an edge of a bin or beyond the range: constant data is on an
-# edge, extreme data beyond the range, so the worst case is among the kinds, and is below twice the
-# best.
-SPREAD_MAX = {"hist_add": 2.0, "emd": 1.02, "rank": 1.02, "knn": 1.02}
+# Largest over smallest count, over all kinds of data. Two things estimate in single precision and
+# look again in double where that does not decide: histograms at a value near an edge of a bin or
+# beyond the range (constant data is on an edge), neighbours at a row that may be among the nearest
+# (in sorted data each is nearer than all before). So the worst case is among the kinds, and bounded.
+SPREAD_MAX = {"hist_add": 2.5, "emd": 1.02, "rank": 1.02, "knn": 3.0}
 
 
 def compiler():

@@ -11,8 +11,8 @@ import time
 import unittest
 
 import own_network
-from selectord import (BIN, Camera, Listener, Selectord, Watch, answer_of, memory_of, selectord,
-                       vdna)
+from selectord import (BIN, PATIENCE, Camera, Listener, Selectord, Watch, answer_of, memory_of,
+                       selectord, vdna)
 
 WORK = os.path.abspath("statement")
 MAP = os.path.join(WORK, "map")
@@ -155,7 +155,8 @@ class Statement(unittest.TestCase):
         def forbid():
             resource.setrlimit(resource.RLIMIT_MEMLOCK, (65536, 65536))
         # Within this namespace root has no power over locks.
-        refused = subprocess.run(command, preexec_fn=forbid, capture_output=True, text=True)
+        refused = subprocess.run(command, preexec_fn=forbid, capture_output=True, text=True,
+                                 timeout=PATIENCE)
         self.assertEqual((refused.returncode, refused.stdout), (1, ""))
         for word in ("memory.lock", "LimitMEMLOCK", "ulimit -l"):
             self.assertIn(word, refused.stderr)

@@ -85,6 +85,24 @@ static void the_preprocessing_has_one_canonical_text(void **)
                         "resize=stretch/cubic l2=1");
 }
 
+static void a_network_is_fp32_and_an_original_unless_it_says_otherwise(void **)
+{
+    const Folder folder;
+    Manifest manifest = read_manifest(folder.write("m.toml", whole));
+    assert_string_equal(manifest.precision.c_str(), "fp32");
+    assert_string_equal(manifest.quantised_from.c_str(), "");
+    const std::string hash(64, 'a');
+    const std::string quantised = with(whole, "[input]",
+                                       "precision = \"int8\"\n[quantised]\nfrom_sha256 = \"" +
+                                           hash + "\"\nmethod = \"by hand\"\n[input]");
+    manifest = read_manifest(folder.write("q.toml", quantised));
+    assert_string_equal(manifest.precision.c_str(), "int8");
+    assert_string_equal(manifest.quantised_from.c_str(), hash.c_str());
+    assert_refused(with(quantised, "\"int8\"", "\"int4\""), "6", "'precision' is 'int4'");
+    assert_refused(with(quantised, "method", "methods"), "9", "unknown key 'methods'");
+    assert_refused(with(quantised, hash, "a"), "8", "'from_sha256' must be 64");
+}
+
 static void an_unknown_key_is_refused_in_every_section(void **)
 {
     assert_refused(with(whole, "licence =", "license ="), "5", "unknown key 'license'; expected:");
@@ -175,6 +193,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(every_field_is_read),
         cmocka_unit_test(the_preprocessing_has_one_canonical_text),
+        cmocka_unit_test(a_network_is_fp32_and_an_original_unless_it_says_otherwise),
         cmocka_unit_test(an_unknown_key_is_refused_in_every_section),
         cmocka_unit_test(a_missing_key_is_told_at_its_section),
         cmocka_unit_test(a_value_of_the_wrong_type_is_told_at_its_line),

@@ -198,6 +198,40 @@ static void an_experience_needs_no_places_and_no_positions(void **state)
     vdna_experience_close(&e);
 }
 
+static void a_precision_is_kept_and_fp32_where_none_is_said(void **state)
+{
+    const file *f = *state;
+    const char *path = path_in(&f->directory, "int8");
+    vdna_experience sample = sample_experience(), e;
+    assert_int_equal(vdna_experience_open(path_in(&f->directory, "sample"), NULL, &e), VDNA_OK);
+    assert_string_equal(e.precision, "fp32");
+    vdna_experience_close(&e);
+
+    strcpy(sample.precision, "int8");
+    assert_int_equal(vdna_experience_write(&sample, path, NULL), VDNA_OK);
+    assert_int_equal(vdna_experience_open(path, NULL, &e), VDNA_OK);
+    assert_string_equal(e.precision, "int8");
+    vdna_experience_close(&e);
+
+    strcpy(sample.precision, "int 8");
+    assert_int_equal(vdna_experience_write(&sample, path, NULL), VDNA_ERR_ARG);
+}
+
+static void the_longest_taps_are_kept(void **state)
+{
+    const file *f = *state;
+    const char *path = path_in(&f->directory, "tapped");
+    static const char rest[] = ":2:4,top:1:1";
+    vdna_experience sample = sample_experience(), e;
+    /* Escaped in the file, each of these takes two bytes. */
+    memset(sample.taps, '"', sizeof sample.taps - sizeof rest);
+    memcpy(sample.taps + sizeof sample.taps - sizeof rest, rest, sizeof rest);
+    assert_int_equal(vdna_experience_write(&sample, path, NULL), VDNA_OK);
+    assert_int_equal(vdna_experience_open(path, NULL, &e), VDNA_OK);
+    assert_string_equal(e.taps, sample.taps);
+    vdna_experience_close(&e);
+}
+
 static void the_checksum_is_crc32c_of_all_before_it(void **state)
 {
     const file *f = *state;
@@ -602,6 +636,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         CASE(what_is_written_is_read_back),
         CASE(an_experience_needs_no_places_and_no_positions),
+        CASE(a_precision_is_kept_and_fp32_where_none_is_said),
+        CASE(the_longest_taps_are_kept),
         CASE(the_checksum_is_crc32c_of_all_before_it),
         CASE(every_other_spelling_of_the_header_opens),
         CASE(a_newer_format_version_is_unsupported_and_says_what_to_do),

@@ -140,6 +140,7 @@ static void a_comparison_names_the_first_field_that_differs(void **state)
         const char *reason;
     } cases[] = {
         {sample, "model_sha256 is " SAMPLE_SHA256 " in one"},
+        {sample, "precision is fp32 in one and int8 in the other"},
         {sample, "preprocessing is "},
         {sample, "taps is mid:2:4,top:1:1 in one and top:3:1 in the other"},
         {sample, "neurons is 3 in one and 2 in"},
@@ -147,13 +148,14 @@ static void a_comparison_names_the_first_field_that_differs(void **state)
         {sample, "bins is 4 in one and 8 in"},
         {sample, "range of neuron 2 is -2.5..2.5 in one and -2.5..2.75 in"},
     };
-    cases[0].other.model_sha256[5] = '0';
-    strcpy(cases[1].other.preprocessing, "other");
-    strcpy(cases[2].other.taps, "top:3:1");
-    cases[3].other.neurons = 2;
-    cases[4].other.dim = 4;
-    cases[5].other.bins = 8;
-    cases[6].other.range = range;
+    cases[0].other.model_sha256[5] = cases[1].other.model_sha256[5] = '0';
+    strcpy(cases[1].other.precision, "int8");
+    strcpy(cases[2].other.preprocessing, "other");
+    strcpy(cases[3].other.taps, "top:3:1");
+    cases[4].other.neurons = 2;
+    cases[5].other.dim = 4;
+    cases[6].other.bins = 8;
+    cases[7].other.range = range;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         vdna_error error = {""};
         assert_int_equal(vdna_experience_compare(&sample, &cases[i].other, &error),

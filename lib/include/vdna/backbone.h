@@ -40,7 +40,9 @@ typedef struct vdna_backbone_info {
     char name[64];           /**< from the manifest */
     char model_sha256[65];   /**< of the ONNX file, checked when it was opened */
     char preprocessing[512]; /**< canonical: everything that shapes the network's input */
-    char taps[512];          /**< "NAME:NEURONS:SAMPLES[,...]" */
+    char taps[2048];         /**< "NAME:NEURONS:SAMPLES[,...]" */
+    char precision[16];      /**< of the arithmetic: "fp32" or "int8" */
+    char quantised_from[65]; /**< SHA-256 of the ONNX file that this one was made from; "" = none */
     char runtime[64];        /**< "onnxruntime 1.28.0" */
     uint32_t tap_count;      /**< >= 1 */
     uint32_t neurons;        /**< of all taps */
@@ -55,6 +57,7 @@ typedef struct vdna_backbone_info {
 typedef struct vdna_backbone_frame {
     const vdna_activations *taps; /**< [tap_count] */
     const float *embedding;       /**< [dim], L2-normalised if the manifest says so */
+    const float *input;           /**< [3][input_height][input_width], what the network was given */
     size_t tap_count;             /**< as in vdna_backbone_info */
     uint32_t dim;                 /**< as in vdna_backbone_info */
     float grey;                   /**< mean grey level of the whole picture, 0..255 (BT.601) */
@@ -77,8 +80,9 @@ VDNA_API void vdna_backbone_config_init(vdna_backbone_config *config);
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_backbone  the caller's, to be closed with vdna_backbone_close()
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT (manifest); VDNA_ERR_CHECKSUM
- * (model); VDNA_ERR_MISMATCH (a tap or shape the model does not have); VDNA_ERR_UNSUPPORTED
- * (runtime too old); VDNA_ERR_RUNTIME; VDNA_ERR_NOMEM */
+ *          (model); VDNA_ERR_MISMATCH (a tap or shape the model does not have);
+ *          VDNA_ERR_UNSUPPORTED (runtime too old, or an int8 network on an x86 processor without
+ *          VNNI); VDNA_ERR_RUNTIME; VDNA_ERR_NOMEM */
 VDNA_API vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *error,
                                         vdna_backbone **out_backbone);
 

@@ -13,11 +13,13 @@
 extern "C" {
 #endif
 
-#define VDNA_MAP_FORMAT 1u         /**< version of the experience file format */
-#define VDNA_MAP_EXTENSION ".vdna" /**< file name ending of an experience */
-#define VDNA_MAP_NAME_SIZE 64u     /**< bytes of a name, its NUL included */
-#define VDNA_MAP_TEXT_SIZE 512u    /**< bytes of a longer text, its NUL included */
-#define VDNA_MAP_SHA256_SIZE 65u   /**< 64 lower-case hexadecimal digits and a NUL */
+#define VDNA_MAP_FORMAT 1u          /**< version of the experience file format */
+#define VDNA_MAP_EXTENSION ".vdna"  /**< file name ending of an experience */
+#define VDNA_MAP_NAME_SIZE 64u      /**< bytes of a name, its NUL included */
+#define VDNA_MAP_PRECISION_SIZE 16u /**< bytes of a precision, its NUL included */
+#define VDNA_MAP_TEXT_SIZE 512u     /**< bytes of a longer text, its NUL included */
+#define VDNA_MAP_TAPS_SIZE 2048u    /**< bytes of the list of taps, its NUL included */
+#define VDNA_MAP_SHA256_SIZE 65u    /**< 64 lower-case hexadecimal digits and a NUL */
 
 /** One experience. Reading fills it; to write one, fill it and call vdna_experience_write(). */
 typedef struct vdna_experience {
@@ -26,7 +28,9 @@ typedef struct vdna_experience {
     char backbone[VDNA_MAP_NAME_SIZE];       /**< name in the backbone's manifest; same alphabet */
     char model_sha256[VDNA_MAP_SHA256_SIZE]; /**< of the ONNX file */
     char preprocessing[VDNA_MAP_TEXT_SIZE];  /**< canonical text from the backbone */
-    char taps[VDNA_MAP_TEXT_SIZE]; /**< "NAME:NEURONS:SAMPLES[,...]" in the order of the neurons */
+    char precision[VDNA_MAP_PRECISION_SIZE]; /**< of the network's arithmetic: "fp32", "int8"; same
+                                                  alphabet; "" means "fp32" */
+    char taps[VDNA_MAP_TAPS_SIZE]; /**< "NAME:NEURONS:SAMPLES[,...]" in the order of the neurons */
     char comparable[VDNA_MAP_SHA256_SIZE]; /**< SHA-256 over everything that must agree for two
                                                 experiences to compare; the writer computes it */
     uint32_t neurons;                      /**< of all taps */

@@ -1,0 +1,336 @@
+// vdna model - networks: compare two precisions of one, and write what one is given.
+#include <algorithm>
+
+#include "commands.hpp"
+#include "eval/evaluate.hpp"
+#include "eval/npy.hpp"
+#include "eval/precision_change.hpp"
+#include "eval/result_json.hpp"
+#include "eval/text_table.hpp"
+#include "options.hpp"
+#include "pass.hpp"
+
+namespace vdna
+{
+
+namespace
+{
+
+namespace fs = std::filesystem;
+
+constexpr size_t timed_pictures = 50;
+
+struct CheckOptions {
+    std::array<std::string, 2> manifests; // as it was, and in another precision
+    std::string pictures;
+    uint32_t threads = 2;
+    std::string cache;
+    bool json = false;
+};
+
+struct InputsOptions {
+    NetworkOptions network;
+    std::vector<std::string> sources;
+    SourceOptions source;
+    std::string npy;
+};
+
+// A network, and all that it makes of the pictures.
+struct Side {
+    Backbone backbone;
+    std::optional<Frames> frames;
+    std::optional<Binning> binning;
+    std::optional<Evaluation> evaluation; // nothing for pictures that are no data set
+
+    Side(const std::string &manifest, uint32_t threads) : backbone(manifest, threads) {}
+};
+
+struct Latency {
+    std::array<double, 2> ms; // of inference, medians
+    double ratio;             // second to first, median over pictures
+};
+
+struct CheckResult {
+    Latency latency;
+    EmbeddingChange embedding;
+    std::optional<RankingChange> ranking;
+};
+
+void require_one_network(const vdna_backbone_info &a, const vdna_backbone_info &b)
+{
+    const auto require_same = [&](const char *field, const std::string &of_a,
+                                  const std::string &of_b) {
+        if (of_a != of_b)
+            throw Error(std::string(b.name) + ": " + field + " is " + of_b + ", that of " + a.name +
+                        " is " + of_a + "; expected two precisions of one network");
+    };
+    require_same("preprocessing", a.preprocessing, b.preprocessing);
+    require_same("taps", a.taps, b.taps);
+    require_same("embedding size", std::to_string(a.dim), std::to_string(b.dim));
+    if (b.quantised_from[0] != '\0')
+        require_same("original", a.model_sha256, b.quantised_from);
+}
+
+// A folder of pictures is a data set of one traversal, in which nothing can be localised.
+Dataset dataset_of(const std::string &path)
+{
+    if (fs::exists(fs::path(path) / "manifest.csv") || !holds_pictures(path))
+        return load_dataset(path, "");
+    Dataset dataset;
+    dataset.path = path;
+    dataset.traversals.push_back({path, "", {}});
+    for (const fs::path &file : pictures_in(path))
+        dataset.traversals.front().frames.push_back({file, {}});
+    return dataset;
+}
+
+double inference_ms(Backbone &backbone, const std::vector<uint8_t> &picture, const fs::path &file)
+{
+    const vdna_image image = {picture.data(), picture.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
+    vdna_error error{};
+    vdna_backbone_frame frame;
+    if (vdna_backbone_run(backbone.get(), &image, &error, &frame) != VDNA_OK)
+        throw Error(file.string() + ": " + error.text);
+    return frame.inference_us / 1e3;
+}
+
+double median_of(std::vector<double> values)
+{
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+// Both networks in turn on the same pictures, so that the ratio holds when the machine drifts.
+Latency time(std::array<Side, 2> &sides, const Dataset &dataset)
+{
+    std::vector<fs::path> files;
+    for (const DatasetTraversal &traversal : dataset.traversals)
+        for (const DatasetFrame &frame : traversal.frames)
+            files.push_back(frame.file);
+    std::vector<double> a, b, ratio;
+    for (size_t i = 0; i < files.size(); i += std::max<size_t>(files.size() / timed_pictures, 1)) {
+        const std::vector<uint8_t> picture = read_picture(files[i]);
+        a.push_back(inference_ms(sides[0].backbone, picture, files[i]));
+        b.push_back(inference_ms(sides[1].backbone, picture, files[i]));
+        ratio.push_back(b.back() / a.back());
+    }
+    return {{median_of(a), median_of(b)}, median_of(ratio)};
+}
+
+void evaluate_side(Side &side, const Dataset &dataset)
+{
+    EvaluationSettings settings;
+    settings.warmup = usual_warmup(dataset);
+    settings.tolerance = dataset.tolerance;
+    settings.stride = dataset.stride;
+    side.binning.emplace(*side.frames, settings.taps, VDNA_RANGE_ABOUT_MIDPOINT);
+    side.evaluation = evaluate(*side.frames, *side.binning, settings);
+}
+
+CheckResult compare(std::array<Side, 2> &sides, const Dataset &dataset, const Cache &cache)
+{
+    for (Side &side : sides)
+        side.frames.emplace(dataset, side.backbone, cache, FramesOptions{});
+    CheckResult result{};
+    result.embedding = embedding_change(
+        sides[0].frames->traversals(), sides[1].frames->traversals(), sides[0].backbone.info().dim);
+    if (dataset.traversals.size() > 1) {
+        for (Side &side : sides)
+            evaluate_side(side, dataset);
+        result.ranking = ranking_change(*sides[0].evaluation, *sides[1].evaluation);
+    }
+    result.latency = time(sides, dataset);
+    return result;
+}
+
+Json json_of_spread(const Spread &spread)
+{
+    return {{"median", spread.median}, {"max", spread.max}};
+}
+
+Json json_of_network(const vdna_backbone_info &backbone)
+{
+    return {{"name", backbone.name},
+            {"precision", backbone.precision},
+            {"model_sha256", backbone.model_sha256}};
+}
+
+Json json_of_check(const std::array<Side, 2> &sides, const CheckResult &result)
+{
+    Json json = {
+        {"networks",
+         {json_of_network(sides[0].backbone.info()), json_of_network(sides[1].backbone.info())}},
+        {"runtime", sides[0].backbone.info().runtime},
+        {"pictures", result.embedding.pictures},
+        {"inference_ms", result.latency.ms},
+        {"inference_ratio", result.latency.ratio},
+        {"embedding_l2_percent", json_of_spread(result.embedding.l2_percent)},
+        {"embedding_cosine_distance", json_of_spread(result.embedding.cosine_distance)}};
+    if (!result.ranking)
+        return json;
+    const std::vector<Traversal> &traversals = sides[0].frames->traversals();
+    json["pairs"] = result.ranking->pairs;
+    json["emd_change_percent"] = json_of_spread(result.ranking->emd_percent);
+    json["recall_percent"] = result.ranking->recall;
+    for (const Side &side : sides)
+        json["methods"].push_back(json_of(side.evaluation->methods.front().metrics));
+    for (const QueryChange &query : result.ranking->queries)
+        json["queries"].push_back(
+            {{"query", traversals[query.traversal].name},
+             {"swaps", query.swaps},
+             {"first", {traversals[query.first[0]].name, traversals[query.first[1]].name}},
+             {"recall_of_first_percent", query.recall}});
+    return json;
+}
+
+void print_spread(TextTable &table, const std::string &what, const Spread &spread, int digits)
+{
+    table.add_row({what, fixed(spread.median, digits), fixed(spread.max, digits)});
+}
+
+void print_both(TextTable &table, const std::string &what, double a, double b, int digits)
+{
+    table.add_row({what, fixed(a, digits), fixed(b, digits)});
+}
+
+void print_queries(const std::array<Side, 2> &sides, const RankingChange &ranking)
+{
+    const std::vector<Traversal> &traversals = sides[0].frames->traversals();
+    const vdna_backbone_info &a = sides[0].backbone.info(), &b = sides[1].backbone.info();
+    TextTable table;
+    table.add_row({"query", "swaps", std::string("first choice, ") + a.precision, b.precision,
+                   std::string("its recall/%, ") + a.precision, b.precision});
+    for (const QueryChange &query : ranking.queries)
+        table.add_row({traversals[query.traversal].name, std::to_string(query.swaps),
+                       traversals[query.first[0]].name, traversals[query.first[1]].name,
+                       fixed(query.recall[0], 2), fixed(query.recall[1], 2)});
+    std::cout << '\n' << table.text();
+}
+
+void print_text(const std::array<Side, 2> &sides, const CheckResult &result)
+{
+    const vdna_backbone_info &a = sides[0].backbone.info(), &b = sides[1].backbone.info();
+    std::cout << a.name << " (" << a.precision << ") and " << b.name << " (" << b.precision << "), "
+              << result.embedding.pictures << " pictures\n\n";
+    TextTable changes;
+    changes.add_row({"change", "median", "greatest"});
+    print_spread(changes, "embedding, relative L2/%", result.embedding.l2_percent, 2);
+    print_spread(changes, "embedding, cosine distance", result.embedding.cosine_distance, 6);
+    if (result.ranking)
+        print_spread(changes, "EMD of " + std::to_string(result.ranking->pairs) + " pairs/%",
+                     result.ranking->emd_percent, 2);
+    std::cout << changes.text() << '\n';
+
+    TextTable both;
+    both.add_row({"", a.precision, b.precision});
+    print_both(both, "inference/ms, median", result.latency.ms[0], result.latency.ms[1], 2);
+    both.add_row({"  ratio", "1", fixed(result.latency.ratio, 2)});
+    if (result.ranking) {
+        const vdna_ranking_metrics &of_a = sides[0].evaluation->methods.front().metrics;
+        const vdna_ranking_metrics &of_b = sides[1].evaluation->methods.front().metrics;
+        print_both(both, "Recall@1/%, mean over pairs", result.ranking->recall[0],
+                   result.ranking->recall[1], 2);
+        print_both(both, "ranking error/%", of_a.ranking_error_swap_once,
+                   of_b.ranking_error_swap_once, 2);
+        print_both(both, "regret of the first choice/%", of_a.regret, of_b.regret, 2);
+    }
+    std::cout << both.text();
+    if (result.ranking)
+        print_queries(sides, *result.ranking);
+}
+
+void check(const CheckOptions &o)
+{
+    std::array<Side, 2> sides = {Side(o.manifests[0], o.threads), Side(o.manifests[1], o.threads)};
+    require_one_network(sides[0].backbone.info(), sides[1].backbone.info());
+    const CheckResult result = compare(sides, dataset_of(o.pictures), Cache(o.cache));
+    if (o.json)
+        print_json(json_of_check(sides, result));
+    else
+        print_text(sides, result);
+}
+
+void write_inputs(InputsOptions o)
+{
+    o.source.labelled = false;
+    Backbone backbone(o.network.backbone, o.network.threads);
+    const size_t height = backbone.info().input_height, width = backbone.info().input_width;
+    std::vector<float> inputs;
+    for (const std::string &source : o.sources)
+        for (Pass pass(source, o.source, backbone); pass.next();)
+            inputs.insert(inputs.end(), pass.output().input,
+                          pass.output().input + 3 * height * width);
+    const size_t pictures = inputs.size() / (3 * height * width);
+    if (pictures == 0)
+        throw Error(o.sources.front() + ": none of its frames can be used");
+    write_npy(o.npy, {pictures, 3, height, width}, inputs);
+    std::cout << o.npy << ": " << pictures << " pictures\n";
+}
+
+void add_check(CLI::App &app)
+{
+    CLI::App *command =
+        app.add_subcommand("check", "Compare a network with one of another precision on pictures");
+    const auto o = std::make_shared<CheckOptions>();
+    command->add_option("FP32", o->manifests[0], "network: name of a manifest, or path of a .toml")
+        ->type_name("")
+        ->required();
+    command->add_option("INT8", o->manifests[1], "the same network in another precision")
+        ->type_name("")
+        ->required();
+    command
+        ->add_option("PICTURES", o->pictures,
+                     "data set as for `vdna eval`, or a folder of pictures, which tells nothing of "
+                     "rankings and recall")
+        ->type_name("")
+        ->required();
+    command->add_option("--threads", o->threads, "compute threads of the networks")
+        ->check(CLI::Range(1, 64).description(""))
+        ->type_name("1..64")
+        ->capture_default_str();
+    command
+        ->add_option("--cache", o->cache,
+                     "directory of what was computed, by content (default: $XDG_CACHE_HOME/vdna)")
+        ->type_name("DIR");
+    command->add_flag("--json", o->json, "report as JSON");
+    command->footer("Each network is evaluated on maps of its own, as it would be used: Visual DNA "
+                    "of different precisions never compares. Inference is timed with both in turn "
+                    "on the same pictures.\n\n"
+                    "Example:\n"
+                    "  vdna model check efficientnet_lite0 my/efficientnet_lite0_int8.toml runs/");
+    command->callback([o] { check(*o); });
+}
+
+void add_inputs(CLI::App &app)
+{
+    CLI::App *command = app.add_subcommand(
+        "inputs", "Write what a network is given for pictures: resized and normalised");
+    const auto o = std::make_shared<InputsOptions>();
+    command->add_option("NETWORK", o->network.backbone, "name of a manifest, or path of a .toml")
+        ->type_name("")
+        ->required();
+    command->add_option("SOURCE", o->sources, "folder of pictures, video file or LCM log")
+        ->type_name("")
+        ->required();
+    command->add_option("--npy", o->npy, "file to write: float32 [pictures, 3, height, width]")
+        ->type_name("FILE")
+        ->required();
+    add_source_options(*command, o->source);
+    command->footer("models/quantise.py finds the ranges of activations with them.\n\n"
+                    "Example:\n"
+                    "  vdna model inputs efficientnet_lite0 winter/ --every 10 --npy inputs.npy");
+    command->callback([o] { write_inputs(*o); });
+}
+
+} // namespace
+
+void add_model(CLI::App &app)
+{
+    CLI::App *command =
+        app.add_subcommand("model", "Networks: compare precisions, prepare pictures for them");
+    command->require_subcommand(1);
+    add_check(*command);
+    add_inputs(*command);
+}
+
+} // namespace vdna

@@ -1,0 +1,256 @@
+"""Precisions of a network: they never mix, `vdna model check` compares them, models/quantise.py
+makes them.
+
+A network with three more bytes of documentation in its ONNX file computes the same and is another
+model, so with "int8" in its manifest it stands for one. Networks that really are int8 are made where
+the quantiser's Python packages can be installed; elsewhere those tests are skipped.
+"""
+import hashlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+BIN = Path(os.environ["VDNA_BIN"])
+MODELS = Path(os.environ["VDNA_TEST_MODELS"])
+NAME = "efficientnet_lite0"
+CONDITIONS = ["summer", "winter", "night"]
+FRAMES = 15
+EMBEDDING_CHANGE_MAX = 10  # percent, median
+WORK = tempfile.TemporaryDirectory(prefix="vdna-model-")
+FOLDER = Path(WORK.name)
+RUNS, MAP, CACHE = FOLDER / "runs", FOLDER / "map", FOLDER / "cache"
+
+
+def run(program, *arguments):
+    return subprocess.run([str(program), *map(str, arguments)], text=True, capture_output=True)
+
+
+def vdna(*arguments):
+    done = run(BIN / "vdna", *arguments)
+    if done.returncode != 0:
+        raise AssertionError(f"vdna {' '.join(map(str, arguments))}: {done.stderr}")
+    return done.stdout
+
+
+def check(first, second, pictures=RUNS):
+    return json.loads(vdna("model", "check", first, second, pictures, "--cache", CACHE, "--json"))
+
+
+def evaluation(network):
+    """What `vdna eval` says, and the embeddings of all frames."""
+    folder = FOLDER / f"npy_{Path(network).stem}"
+    vdna("eval", RUNS, "--backbone", network, "--cache", CACHE, "--npy", folder,
+         "--json", folder.with_suffix(".json"))
+    embeddings = [np.load(folder / f"embeddings_{name}.npy") for name in CONDITIONS]
+    return (json.loads(folder.with_suffix(".json").read_text()),
+            np.concatenate(embeddings).astype(np.float64))
+
+
+def stand_in(name="stand_in", precision="int8", more=""):
+    """The default network as another model, and what its manifest says of itself."""
+    data = (MODELS / f"{NAME}.onnx").read_bytes() + b"\x32\x01" + precision[:1].encode()
+    model, manifest = FOLDER / f"{name}.onnx", FOLDER / f"{name}.toml"
+    model.write_bytes(data)
+    text = (MODELS / f"{NAME}.toml").read_text()
+    for key, value in (("name", name), ("model", model.name),
+                       ("sha256", hashlib.sha256(data).hexdigest())):
+        text = re.sub(rf"^{key} =.*$", f'{key} = "{value}"', text, count=1, flags=re.M)
+    manifest.write_text(text.replace("\n[", f'\nprecision = "{precision}"\n{more}\n[', 1))
+    return manifest
+
+
+def setUpModule():
+    os.environ["VDNA_MODELS"] = str(MODELS)
+    for condition in CONDITIONS:
+        vdna("simulate", RUNS / condition, "--condition", condition, "--frames", FRAMES)
+    vdna("build", MAP, *(RUNS / condition for condition in CONDITIONS[:2]))
+
+
+class OtherPrecision(unittest.TestCase):
+    """A map made with fp32 and a network that calls itself int8."""
+
+    def setUp(self):
+        self.int8 = stand_in()
+        tried = run(BIN / "vdna", "model", "inputs", self.int8, RUNS / "night", "--npy",
+                    FOLDER / "tried.npy")
+        if "VNNI" in tried.stderr:
+            self.skipTest(tried.stderr)
+
+    def refused(self, program, *arguments, precisions=("fp32", "int8")):
+        done = run(program, *arguments)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertEqual(done.stdout, "")
+        for precision in precisions:
+            self.assertIn(precision, done.stderr)
+        self.assertIn("precision", done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1)
+
+    def test_is_refused_by_every_command_that_would_compare_them(self):
+        night = RUNS / "night"
+        self.refused(BIN / "vdna", "rank", night, MAP, "--backbone", self.int8)
+        self.refused(BIN / "vdna", "localise", night, MAP, "--backbone", self.int8)
+        self.refused(BIN / "vdna", "build", MAP, night, "--backbone", self.int8, "--ranges",
+                     MAP / "summer.vdna")
+        vdna("calibrate", FOLDER / "ranges.json", night)
+        self.refused(BIN / "vdna", "build", FOLDER / "new", night, "--backbone", self.int8,
+                     "--ranges", FOLDER / "ranges.json")
+
+    def test_is_refused_by_the_daemon_before_it_is_ready(self):
+        for options in ((), ("--check",)):
+            self.refused(BIN / "vdna_selectord", "--map", MAP, "--backbone", self.int8, *options)
+
+    def test_is_refused_where_files_of_both_are_compared(self):
+        other = FOLDER / "other"
+        vdna("build", other, RUNS / "night", "--backbone", self.int8)
+        self.refused(BIN / "vdna", "rank", other / "night.vdna", MAP / "summer.vdna")
+        mixed = FOLDER / "mixed"
+        shutil.copytree(MAP, mixed)
+        shutil.copy(other / "night.vdna", mixed)
+        self.refused(BIN / "vdna", "rank", RUNS / "summer", mixed)
+        self.refused(BIN / "vdna_selectord", "--map", mixed)
+        [experience] = json.loads(vdna("info", "--json", other / "night.vdna"))["experiences"]
+        self.assertEqual(experience["precision"], "int8")
+
+    def test_takes_nothing_of_the_other_from_the_cache(self):
+        first = evaluation(NAME)[0]
+        found = evaluation(self.int8)[0]
+        self.assertEqual((found["cached"], found["computed"]), (0, 3 * FRAMES))
+        self.assertEqual((first["precision"], found["precision"]), ("fp32", "int8"))
+
+
+class Check(unittest.TestCase):
+    def test_the_same_network_changes_nothing(self):
+        found = check(NAME, stand_in("twin", "fp32"))
+        self.assertEqual(found["pictures"], 3 * FRAMES)
+        self.assertEqual(found["embedding_l2_percent"], {"median": 0, "max": 0})
+        self.assertEqual(found["emd_change_percent"], {"median": 0, "max": 0})
+        self.assertEqual([query["swaps"] for query in found["queries"]], [0, 0, 0])
+        self.assertEqual(*found["recall_percent"])
+
+    def test_a_folder_of_pictures_tells_of_embeddings_only(self):
+        found = check(NAME, stand_in("twin", "fp32"), RUNS / "night")
+        self.assertEqual(found["pictures"], FRAMES)
+        self.assertNotIn("queries", found)
+        self.assertGreater(found["inference_ratio"], 0)
+
+    def test_other_networks_are_refused(self):
+        stale = stand_in("stale", "fp32", '[quantised]\nmethod = "by hand"\nfrom_sha256 = "' +
+                         64 * "0" + '"\n')
+        for other, field in (("mobilenet_v2", "preprocessing"), (stale, "original")):
+            done = run(BIN / "vdna", "model", "check", NAME, other, RUNS)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(f"{field} is", done.stderr)
+
+
+class Inputs(unittest.TestCase):
+    def test_are_the_pictures_normalised(self):
+        folder = FOLDER / "noise"
+        folder.mkdir()
+        pixels = np.random.RandomState(1).randint(0, 256, (2, 224, 224, 3)).astype(np.uint8)
+        for number, picture in enumerate(pixels):
+            (folder / f"{number}.ppm").write_bytes(b"P6\n224 224\n255\n" + picture.tobytes())
+        vdna("model", "inputs", NAME, folder, "--npy", FOLDER / "inputs.npy")
+        expected = ((pixels.astype(np.float64) - 127) / 128).astype(np.float32)
+        np.testing.assert_array_equal(np.load(FOLDER / "inputs.npy"),
+                                      expected.transpose(0, 3, 1, 2))
+
+
+class Processor(unittest.TestCase):
+    def test_without_vnni_an_int8_network_is_refused(self):
+        if not shutil.which("qemu-x86_64") or os.uname().machine != "x86_64":
+            self.skipTest("no qemu-x86_64 to be a processor without VNNI")
+        done = run("qemu-x86_64", "-cpu", "Haswell", BIN / "vdna", "model", "inputs", stand_in(),
+                   RUNS / "night", "--npy", FOLDER / "none.npy")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("neither AVX-512 VNNI nor AVX-VNNI", done.stderr)
+
+
+def quantised(manifest, name, *options):
+    """The manifest of the int8 network that models/quantise.py makes, or a skipped test."""
+    out = FOLDER / f"{name}.toml"
+    done = run(sys.executable, ROOT / "models" / "quantise.py", manifest, "-o", out,
+               "--vdna", BIN / "vdna", *options)
+    if "pip cannot install" in done.stderr or "ensurepip" in done.stderr + done.stdout:
+        raise unittest.SkipTest(done.stderr.strip())
+    if done.returncode != 0:
+        raise AssertionError(done.stderr)
+    return out
+
+
+class Quantised(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.int8 = quantised(MODELS / f"{NAME}.toml", "made_int8", "--pictures", RUNS / "summer",
+                             RUNS / "winter", "--every", 2)
+
+    def setUp(self):
+        tried = run(BIN / "vdna", "model", "inputs", self.int8, RUNS / "night", "--npy",
+                    FOLDER / "tried.npy")
+        if "VNNI" in tried.stderr:
+            self.skipTest(tried.stderr)
+
+    def test_check_tells_what_two_evaluations_tell(self):
+        found = check(NAME, self.int8)
+        (a, of_a), (b, of_b) = evaluation(NAME), evaluation(self.int8)
+        apart = np.linalg.norm(of_a - of_b, axis=1) / np.linalg.norm(of_a, axis=1)
+        cosine = 1 - (of_a * of_b).sum(axis=1) / np.sqrt((of_a ** 2).sum(axis=1)
+                                                         * (of_b ** 2).sum(axis=1))
+        for key, values in (("embedding_l2_percent", 100 * apart),
+                            ("embedding_cosine_distance", cosine)):
+            self.assertAlmostEqual(found[key]["median"], np.median(values), 9)
+            self.assertAlmostEqual(found[key]["max"], values.max(), 9)
+        emd = [100 * abs(b["distance"]["vdna"][q][r] / row[r] - 1)
+               for q, row in a["distance"]["vdna"].items() for r in row]
+        self.assertAlmostEqual(found["emd_change_percent"]["median"], np.median(emd), 9)
+        for query in found["queries"]:
+            rows = [e["distance"]["vdna"][query["query"]] for e in (a, b)]
+            firsts = [min(row, key=row.get) for row in rows]
+            self.assertEqual(query["first"], firsts)
+            self.assertEqual(query["recall_of_first_percent"],
+                             [e["recall"][query["query"]][f] for e, f in zip((a, b), firsts)])
+            [x, y] = rows[0]
+            swapped = (rows[0][x] < rows[0][y]) != (rows[1][x] < rows[1][y])
+            self.assertEqual(query["swaps"], int(swapped))
+
+    def test_is_int8_and_close_to_the_original(self):
+        found = check(NAME, self.int8)
+        self.assertEqual([network["precision"] for network in found["networks"]],
+                         ["fp32", "int8"])
+        self.assertLess((FOLDER / "made_int8.onnx").stat().st_size,
+                        0.4 * (MODELS / f"{NAME}.onnx").stat().st_size)
+        self.assertLess(found["embedding_l2_percent"]["median"], EMBEDDING_CHANGE_MAX)
+        self.assertGreater(found["embedding_l2_percent"]["median"], 0)
+
+    def test_a_transformer_needs_no_pictures(self):
+        subprocess.run([sys.executable, ROOT / "models" / "export.py", "vit",
+                        ROOT / "test" / "golden" / "tiny_mugs.pth", FOLDER, "--name", "vit"],
+                       check=True, capture_output=True)
+        int8 = quantised(FOLDER / "vit.toml", "vit_int8")
+        self.assertIn("dynamic", int8.read_text())
+        found = check(FOLDER / "vit.toml", int8, RUNS / "night")
+        self.assertLess(found["embedding_l2_percent"]["median"], 5)
+        self.assertGreater(found["embedding_l2_percent"]["median"], 0)
+
+    def test_what_cannot_be_quantised_is_told(self):
+        for manifest, options, sentence in (
+                (MODELS / f"{NAME}.toml", (), "name pictures with --pictures"),
+                (self.int8, (), "is int8, expected the fp32 network"),
+                (FOLDER / "absent.toml", (), "absent.toml: No such file")):
+            done = run(sys.executable, ROOT / "models" / "quantise.py", manifest, "-o",
+                       FOLDER / "never.toml", *options)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(sentence, done.stderr)
+            self.assertFalse((FOLDER / "never.toml").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
