@@ -17,10 +17,9 @@ def run(context):
     """All of the group."""
     names = ["efficientnet_lite0"] if context.tiny else list(NETWORKS)
     for name in names:
-        for manifest, precision in ((context.scene.manifest(name), "fp32"),
-                                    (context.scene.int8_manifest(name), "int8")):
-            if manifest and not (context.tiny and precision == "int8"):
-                yield drive(context, name, manifest, precision)
+        yield drive(context, name, context.scene.manifest(name), "fp32")
+        if not context.tiny:
+            yield drive(context, name, context.scene.int8_manifest(name), "int8")
     for count in [2] if context.tiny else [4, 100]:
         yield last_frame(context, names[-1], count)
     yield long_run(context, names[0])

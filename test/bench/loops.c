@@ -2,6 +2,8 @@
  * of anything that looks at every byte, and the distance in the other layout. */
 #include "loops.h"
 
+#include "vectorised.h"
+
 /* see loops.h */
 vdna_status bench_hist_add(vdna_hist *hist, const vdna_activations *tap, size_t frames)
 {
@@ -51,8 +53,8 @@ vdna_status bench_window_add(void *mem, const vdna_activations *tap, size_t fram
     return status;
 }
 
-/* see loops.h */
-uint64_t bench_read(const uint64_t *words, size_t count, size_t times)
+/* see loops.h; as wide as the core's own loops, or it would not be their limit */
+VDNA_VECTORISED uint64_t bench_read(const uint64_t *words, size_t count, size_t times)
 {
     uint64_t sum = 0;
     for (size_t t = 0; t < times; t++)
@@ -62,8 +64,9 @@ uint64_t bench_read(const uint64_t *words, size_t count, size_t times)
 }
 
 /* see loops.h */
-double bench_emd_neuron_major(const uint32_t *p, const uint32_t *q, uint32_t neurons, uint32_t bins,
-                              uint32_t mass_p, uint32_t mass_q)
+VDNA_VECTORISED double bench_emd_neuron_major(const uint32_t *p, const uint32_t *q,
+                                              uint32_t neurons, uint32_t bins, uint32_t mass_p,
+                                              uint32_t mass_q)
 {
     double total = 0;
     for (size_t n = 0; n < neurons; n++) {

@@ -31,6 +31,7 @@ class Peers:
         self.scipy_stats = imported("scipy.stats")
         self.scipy_linalg = imported("scipy.linalg")
         self.package = imported("vdna.utils.stats")
+        self.cv2 = imported("cv2")
         self.set_threads(1)
 
     def set_threads(self, count):

@@ -56,16 +56,14 @@ class Scene:
         return path
 
     def int8_manifest(self, name):
-        """The same network quantised; None where the project cannot do that."""
-        script = ROOT / "models" / "quantise.py"
+        """The same network quantised."""
         path = self.folder / "networks" / f"{name}_int8.toml"
-        if not script.exists():
-            return None
         if not path.exists():
             print(f"quantising {name} ...", flush=True)
             path.parent.mkdir(exist_ok=True)
-            subprocess.run(["/usr/bin/python3", script, self.manifest(name), "--pictures",
-                            self.pictures(CALIBRATION)[0].parent, "--out", path,
+            subprocess.run(["/usr/bin/python3", ROOT / "models" / "quantise.py",
+                            self.manifest(name), "--out", path,
+                            "--pictures", self.pictures(CALIBRATION)[0].parent,
                             "--vdna", self._build / "bin" / "vdna"], check=True)
         return path
 
@@ -97,7 +95,7 @@ def write_copies(path, folder, count):
         embeddings = random.normal(size=(MAP_FRAMES, seed.dim)).astype(np.float32)
         Experience(
             name=f"copy{number}", backbone=seed.backbone, model_sha256=seed.model_sha256,
-            preprocessing=seed.preprocessing, taps=seed.taps,
+            preprocessing=seed.preprocessing, precision=seed.precision, taps=seed.taps,
             histogram=HistogramView(seed.histogram.range, counts), embeddings=embeddings,
             frame_utime=np.arange(MAP_FRAMES, dtype=np.int64),
             frame_grey=np.zeros(MAP_FRAMES, np.float32),

@@ -94,10 +94,6 @@ class Selectord:
         self._output.rest()
         self.log += self._errors.rest()
 
-    @property
-    def pid(self):
-        return self._process.pid
-
     def is_running(self):
         return self._process.poll() is None
 
