@@ -115,7 +115,7 @@ std::string text_of(const vdna_msg_status_t &message)
         number(message.skipped), number(message.refused), number(message.oversized),
         number(message.rejected), mb(message.resident_bytes), mb(message.resident_bytes_max));
     if (message.processed > 0) {
-        text += "\n             ms, half within/99 of 100 within/longest:";
+        text += "\n             ms, median/99th percentile/longest:";
         for (const auto &[name, stage] : stages_of(message))
             text += format(" %s %.1f/%.1f/%.1f", name, ms(stage->p50_us), ms(stage->p99_us),
                            ms(stage->max_us));

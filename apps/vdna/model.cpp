@@ -204,7 +204,15 @@ void print_queries(const std::array<Side, 2> &sides, const RankingChange &rankin
         table.add_row({traversals[query.traversal].name, std::to_string(query.swaps),
                        traversals[query.first[0]].name, traversals[query.first[1]].name,
                        fixed(query.recall[0], 2), fixed(query.recall[1], 2)});
-    std::cout << '\n' << table.text();
+    size_t swaps = 0, changed = 0;
+    for (const QueryChange &query : ranking.queries) {
+        swaps += query.swaps;
+        changed += query.first[0] != query.first[1] ? 1 : 0;
+    }
+    std::cout << '\n'
+              << table.text() << '\n'
+              << swaps << " pairs of references swap places; the first choice changes for "
+              << changed << " of " << ranking.queries.size() << " queries\n";
 }
 
 void print_text(const std::array<Side, 2> &sides, const CheckResult &result)

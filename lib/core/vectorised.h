@@ -6,7 +6,9 @@
 
 #include <string.h> /* defines __GLIBC__ where there is one; others cannot load such functions */
 
-/* Not where sanitizers or proofs look at the one text, nor where the user has already chosen. */
+/* Not where sanitizers or proofs look at the one text, nor where the user has already chosen: by
+ * the processor, or by -DVDNA_VECTORISED= */
+#ifndef VDNA_VECTORISED
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__) && __GNUC__ >= 12 && \
     defined(__OPTIMIZE__) && !defined(__AVX__) && !defined(__SANITIZE_ADDRESS__) &&       \
     !defined(__FRAMAC__)
@@ -14,6 +16,7 @@
     __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 #else
 #define VDNA_VECTORISED
+#endif
 #endif
 
 #endif

@@ -25,7 +25,7 @@ CORE = os.environ.get("VDNA_CORE", os.path.join(ROOT, "lib", "core"))
 INCLUDE = os.environ.get("VDNA_INCLUDE", os.path.join(ROOT, "lib", "include"))
 BASELINE = os.path.join(HERE, "baseline.json")
 # The last one: as for proofs, without the copies of loops that the loader chooses by the processor.
-FLAGS = ["-std=c99", "-O2", "-march=x86-64", "-mtune=generic", "-ffp-contract=off", "-D__FRAMAC__"]
+FLAGS = ["-std=c99", "-O2", "-march=x86-64", "-mtune=generic", "-ffp-contract=off", "-DVDNA_VECTORISED="]
 THINGS = ["hist_add", "emd", "rank", "knn"]
 KINDS = ["random", "constant", "sorted", "extreme"]
 DRIFT_MAX = 0.01      # from the baseline

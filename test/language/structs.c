@@ -106,6 +106,7 @@ static void print_map(void)
     FIELD(vdna_experience, backbone);
     FIELD(vdna_experience, model_sha256);
     FIELD(vdna_experience, preprocessing);
+    FIELD(vdna_experience, precision);
     FIELD(vdna_experience, taps);
     FIELD(vdna_experience, comparable);
     FIELD(vdna_experience, neurons);

@@ -127,6 +127,17 @@ class OtherPrecision(unittest.TestCase):
         self.assertEqual((first["precision"], found["precision"]), ("fp32", "int8"))
 
 
+class Taps(unittest.TestCase):
+    def test_that_the_model_does_not_have_are_told_by_the_daemon_before_it_is_ready(self):
+        manifest = stand_in("untapped", "fp32")
+        manifest.write_text(manifest.read_text().replace('[[taps]]\noutput = "embedding"',
+                                                         '[[taps]]\noutput = "block99"'))
+        done = run(BIN / "vdna_selectord", "--map", MAP, "--backbone", manifest)
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertIn("untapped.onnx: has no output 'block99'; it has: embedding, feat_s16",
+                      done.stderr)
+
+
 class Check(unittest.TestCase):
     def test_the_same_network_changes_nothing(self):
         found = check(NAME, stand_in("twin", "fp32"))

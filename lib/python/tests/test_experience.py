@@ -9,7 +9,7 @@ from conftest import SHA256, small_experience
 from libvdna import Experience, Status, VdnaError, emd_mean, open_map
 
 ARRAYS = ["embeddings", "frame_utime", "frame_grey", "frame_place", "frame_position"]
-TEXTS = ["name", "backbone", "model_sha256", "preprocessing", "taps"]
+TEXTS = ["name", "backbone", "model_sha256", "preprocessing", "precision", "taps"]
 
 
 def is_mapped(path):
@@ -116,7 +116,7 @@ def test_what_breaks_the_rules_is_not_written(changes, status, tmp_path):
     [
         {"name": "n" * 64},
         {"name": "nul\0"},
-        {"taps": "t" * 512},
+        {"taps": "t" * 2048},
         {"embeddings": [1, 2]},
         {"frame_utime": [1]},
         {"frame_grey": [1, 2, 3]},
@@ -153,6 +153,13 @@ def test_what_does_not_compare_is_named():
     other = small_experience("summer", model_sha256=SHA256[::-1])
     with pytest.raises(VdnaError, match="model_sha256") as caught:
         small_experience().check_comparable(other)
+    assert caught.value.status is Status.MISMATCH
+
+
+def test_a_precision_does_not_compare_with_another():
+    quantised = small_experience("summer", precision="int8", model_sha256=SHA256[::-1])
+    with pytest.raises(VdnaError, match="int8") as caught:
+        small_experience().check_comparable(quantised)
     assert caught.value.status is Status.MISMATCH
 
 

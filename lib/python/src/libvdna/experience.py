@@ -70,6 +70,7 @@ class Experience:
         frame_grey: ArrayLike,
         frame_place: Optional[ArrayLike] = None,
         frame_position: Optional[ArrayLike] = None,
+        precision: str = "fp32",
     ) -> None:
         """An experience to write(). Arrays of the stated dtypes are not copied.
 
@@ -84,6 +85,7 @@ class Experience:
         frame_grey: float32 [frames], mean grey levels 0..255
         frame_place: int64 [frames], place numbers
         frame_position: float64 [frames][3], metres in one Cartesian frame shared by the map
+        precision: of the network's arithmetic, "fp32" or "int8"; alphabet as for `name`, 1 to 15
         """
         self._histogram = histogram
         self._embeddings = shaped(floats(embeddings, "embeddings"), ("frames", "dim"), "embeddings")
@@ -106,7 +108,8 @@ class Experience:
             backbone=_text(backbone, "backbone", 64),
             model_sha256=_text(model_sha256, "model_sha256", 65),
             preprocessing=_text(preprocessing, "preprocessing", 512),
-            taps=_text(taps, "taps", 512),
+            precision=_text(precision, "precision", 16),
+            taps=_text(taps, "taps", 2048),
             neurons=dna.neurons,
             bins=dna.bins,
             frames=integer(frames, "the number of frames", 0, UINT32_MAX),
@@ -159,8 +162,8 @@ class Experience:
         lib.vdna_experience_write(self._file, _path(path), Error())
 
     def check_comparable(self, other: Experience) -> None:
-        """Check that two experiences have the same model, preprocessing, taps, dim, bins and
-        ranges.
+        """Check that two experiences have the same model, precision, preprocessing, taps, dim,
+        bins and ranges.
 
         VdnaError: MISMATCH, naming the first field that differs
         """
@@ -187,6 +190,11 @@ class Experience:
     def preprocessing(self) -> str:
         """Everything that shaped the network's input."""
         return str(self._file.preprocessing.decode())
+
+    @property
+    def precision(self) -> str:
+        """Of the network's arithmetic: "fp32", "int8"."""
+        return self._file.precision.decode() or "fp32"
 
     @property
     def taps(self) -> str:
