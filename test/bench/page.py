@@ -9,8 +9,8 @@ Written by `./dev bench --write-page` from what `./dev bench` measured on {cpu},
 ({features}), {memory_mb} MB, {system}.
 
 Ours and a peer run in turn. A figure is the median of the rounds, a ratio the median of the ratios
-of neighbouring rounds; of all rounds, the half that waited least for a processor counts. All is pinned
-to two cores. What computes on one thread, as all peers but the networks do here, is measured in
+of neighbouring rounds; of all rounds, the half that waited least for a processor counts. All is
+pinned to two cores. What computes on one thread, as all peers but the networks do here, is in
 processor time. Weights are random where none may be fetched, which changes no speed.
 
 | group | measured | commit | load | how long |
