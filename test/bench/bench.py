@@ -50,7 +50,7 @@ class Context:
         self.build, self.tiny, self.quick = build, options.tiny, options.quick or options.tiny
         self.seconds = 0.01 if options.tiny else 0.5 if options.quick else 3.0
         self.library, self.peers, self.scene = Library(build), Peers(), Scene(build)
-        self.package_seconds = {}
+        self.packages = {}
 
 
 def result(name, unit, scale, timed, more):
@@ -73,7 +73,7 @@ def print_result(entry):
 
 
 def measure(context, name):
-    """Run a group: all that is kept of it."""
+    """Run a group: yields all that is kept of it, after each result."""
     import machine
     print(f"\n{name} (load {machine.load()})", flush=True)
     about = {"date": machine.now(), "commit": machine.commit(), "quick": context.quick,
@@ -82,7 +82,7 @@ def measure(context, name):
     for measured in importlib.import_module(GROUPS[name]).run(context):
         results.append(result(*measured))
         print_result(results[-1])
-    return {**about, "load_end": machine.load(), "results": results}
+        yield {**about, "load_end": machine.load(), "results": results}
 
 
 def stored(path):
@@ -120,9 +120,9 @@ def main():
     for name in groups:
         kept = stored(path)
         kept["machine"] = machine.describe()
-        kept["groups"][name] = measure(context, name)
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+        for kept["groups"][name] in measure(context, name):
+            path.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
     print(f"\nkept in {path}")
     import figures
     figures.print_all(stored(path))

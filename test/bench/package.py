@@ -1,5 +1,4 @@
 """The reference package on the same pictures and the same network, in PyTorch."""
-import statistics
 import sys
 import time
 from pathlib import Path
@@ -29,7 +28,8 @@ def torch_network(torch, name):
 class Package:
     """VDNAs of pictures as the package makes them."""
 
-    def __init__(self, torch, name, size):
+    def __init__(self, torch, name, size, files, batches):
+        """files: pictures; batches: sizes to choose the fastest of"""
         from vdna.networks import FeatureExtractionModel
         from vdna.utils.settings import DataSettings, ExtractionSettings, NetworkSettings
         module, output, neurons = torch_network(torch, name)
@@ -49,20 +49,19 @@ class Package:
                                       n_sample_images=0)
         self._extractor = Extractor(network, settings, ranges)
         self._data_settings = DataSettings
+        self._files = [str(file) for file in (files * max(batches))[:max(batches)]]
+        self._seconds(1)
+        self.batch = min(batches, key=self._seconds)
 
-    def _seconds(self, files, batch):
-        """How long it takes to count these pictures."""
+    def seconds(self):
+        """How long it takes to count one picture."""
+        return self._seconds(self.batch)
+
+    def _seconds(self, batch):
         from vdna.vdnas import get_vdna
         self._extractor.extraction_settings.batch_size = batch
         dna = get_vdna("histogram-1000")
+        settings = self._data_settings(source=self._files[:batch], shuffle_files=False)
         begin = time.perf_counter()
-        dna.fill_vdna(self._extractor, self._data_settings(source=[str(file) for file in files],
-                                                           shuffle_files=False))
-        return time.perf_counter() - begin
-
-    def best(self, files, batches, times):
-        """(seconds for a picture at the fastest batch size, that size)"""
-        self._seconds(files[:1], 1)
-        batch = min(batches, key=lambda size: self._seconds(files, size))
-        return statistics.median(self._seconds(files, batch)
-                                 for _ in range(times)) / len(files), batch
+        dna.fill_vdna(self._extractor, settings)
+        return (time.perf_counter() - begin) / batch

@@ -22,7 +22,7 @@ def enter(build, make):
 
 
 class Peers:
-    """The packages that are here, each None where it is not, on one thread each."""
+    """The packages that are here, each None where it is not."""
 
     def __init__(self):
         self.torch = imported("torch")
@@ -32,7 +32,6 @@ class Peers:
         self.scipy_linalg = imported("scipy.linalg")
         self.package = imported("vdna.utils.stats")
         self.cv2 = imported("cv2")
-        self.set_threads(1)
 
     def set_threads(self, count):
         if self.torch:

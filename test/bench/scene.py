@@ -16,8 +16,8 @@ NETWORKS = {
     "efficientnet_lite0": (None, 224, 224),
     "mobilenet_v2": (None, 224, 224),
     "cosplace_224": (("cosplace", "cosplace_resnet101_128"), 224, 224),
-    "cosplace_480x640": (("cosplace", "cosplace_resnet101_128"), 480, 640),
     "mugs_vitb16": (("vit", "mugs_vitb16"), 224, 224),
+    "cosplace_480x640": (("cosplace", "cosplace_resnet101_128"), 480, 640),
 }
 
 
