@@ -37,11 +37,16 @@ MatrixXd compact(const MatrixXd &frames)
     return qr.matrixQR().topRows(frames.cols()).triangularView<Eigen::Upper>();
 }
 
-// tr((S1 S2)^(1/2)): the singular values of S1^(1/2) S2^(1/2) are those of X1 X2^T.
+// tr((S1 S2)^(1/2)): the singular values of S1^(1/2) S2^(1/2) are those of X1 X2^T. Few frames, as
+// of a warmup, make that product narrow; then compacting the many, which costs the most by far, is
+// left out.
 double trace_of_root(const MatrixXd &x1, const MatrixXd &x2)
 {
-    const MatrixXd product = compact(x1) * compact(x2).transpose();
-    return Eigen::BDCSVD<MatrixXd>(product).singularValues().sum();
+    const MatrixXd &few = x1.rows() < x2.rows() ? x1 : x2, &many = x1.rows() < x2.rows() ? x2 : x1;
+    const MatrixXd product = few.rows() < few.cols()
+                                 ? MatrixXd(many * few.transpose())
+                                 : MatrixXd(compact(many) * compact(few).transpose());
+    return Eigen::BDCSVD<MatrixXd>(compact(product)).singularValues().sum();
 }
 
 double frechet(const Frames &a, const Frames &b)

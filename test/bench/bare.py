@@ -1,0 +1,69 @@
+"""ONNX Runtime alone, in a process of its own (bare_onnx.c)."""
+import re
+import subprocess
+import tomllib
+from pathlib import Path
+
+from measure import waited
+
+
+def peak_bytes(process):
+    """The most memory that a process has had."""
+    text = Path(f"/proc/{process}/status").read_text(encoding="ascii")
+    return int(re.search(r"VmHWM:\s+(\d+) kB", text)[1]) * 1024
+
+
+def resident_bytes(process):
+    """The memory that a process has."""
+    text = Path(f"/proc/{process}/status").read_text(encoding="ascii")
+    return int(re.search(r"VmRSS:\s+(\d+) kB", text)[1]) * 1024
+
+
+class Bare:
+    """A session with the model of a manifest, on two threads."""
+
+    def __init__(self, build, manifest, threads=2):
+        settings = tomllib.loads(Path(manifest).read_text(encoding="utf-8"))
+        outputs = [settings["embedding"]["output"], *(tap["output"] for tap in settings["taps"])]
+        self._process = subprocess.Popen(
+            [build / "test" / "bench" / "bare_onnx", runtime_of(build),
+             Path(manifest).parent / settings["model"], str(threads), *dict.fromkeys(outputs)],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._process.stdin.close()
+        self._process.wait()
+        self._process.stdout.close()
+
+    @property
+    def pid(self):
+        return self._process.pid
+
+    def run(self, count):
+        """[(seconds of an inference, share of the time that it waited for a processor)]"""
+        before = waited(self.pid)
+        self._process.stdin.write(f"{count}\n")
+        self._process.stdin.flush()
+        line = self._process.stdout.readline()
+        if not line:
+            raise RuntimeError("bare_onnx has ended")
+        took = [float(text) for text in line.split()]
+        share = (waited(self.pid) - before) / sum(took)
+        return [(seconds, share) for seconds in took]
+
+
+def configured(build, name):
+    """What a build was configured with; "" if it was not."""
+    found = re.search(rf"^{name}:\w+=(.*)$", (build / "CMakeCache.txt").read_text(), re.M)
+    return found[1] if found else ""
+
+
+def runtime_of(build):
+    """The libonnxruntime.so that lib/backbone of this build tries first."""
+    found = configured(build, "ONNXRUNTIME_LIBRARY")
+    if found and not found.endswith("NOTFOUND"):
+        return found
+    return configured(build, "VDNA_DEPS") + "/onnxruntime/lib/libonnxruntime.so"

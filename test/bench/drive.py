@@ -1,0 +1,68 @@
+"""A drive past the daemon: pictures go out over LCM one by one, each as soon as the one before is
+answered, so that none is passed over."""
+import re
+import socket
+import struct
+import time
+from pathlib import Path
+
+from measure import waited
+from selectord import Camera, image_message
+
+PATIENCE = 120  # seconds
+FINGERPRINTS = Path(__file__).resolve().parents[2] / "lcmtypes" / "fingerprints.txt"
+RESET = 1  # of vdna_msg.command_t
+
+
+class Answers:
+    """What the daemon publishes, as datagrams: LCM's short messages on loopback."""
+
+    def __init__(self):
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4 << 20)
+        group, port = Camera.ADDRESS
+        self._socket.bind((group, port))
+        member = struct.pack("4s4s", socket.inet_aton(group), socket.inet_aton("127.0.0.1"))
+        self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
+        self._socket.settimeout(PATIENCE)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._socket.close()
+
+    def next_channel(self):
+        """The channel of the next message."""
+        return self._socket.recv(1 << 16)[8:].partition(b"\0")[0]
+
+
+class Drive:
+    """Frames one after the other; `asked` has (seconds until the answer, until the ranking or None,
+    share of the time that daemon and bench waited for a processor)."""
+
+    def __init__(self, camera, answers, daemon):
+        self._camera, self._answers, self._daemon = camera, answers, daemon
+        self.asked = []
+
+    def ask(self, utime, picture):
+        """Send one picture and wait for its answer."""
+        message = image_message(utime, picture)
+        before = waited(self._daemon.pid) + waited()
+        begin, ranked = time.perf_counter(), None
+        self._camera.send(message)
+        while (channel := self._answers.next_channel()) != b"VDNA_LOCALISATION":
+            if channel == b"VDNA_RANKING":
+                ranked = time.perf_counter() - begin
+        seconds = time.perf_counter() - begin
+        share = (waited(self._daemon.pid) + waited() - before) / seconds
+        self.asked.append((seconds, ranked, share))
+        return seconds
+
+
+def reset_message():
+    """A vdna_msg.command_t that has the daemon choose again."""
+    text = FINGERPRINTS.read_text(encoding="ascii")
+    fingerprint = int(re.search(r"^vdna_msg\.command_t (\w+)$", text, re.M)[1], 16)
+    return struct.pack(">QqiIx", fingerprint, 0, RESET, 1)

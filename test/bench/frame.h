@@ -1,0 +1,17 @@
+/* A network for Python to call through ctypes (ours.py). */
+#ifndef VDNA_BENCH_FRAME_H
+#define VDNA_BENCH_FRAME_H
+
+#include <vdna/backbone.h>
+
+/** Open the network of a manifest; as vdna_backbone_open(). */
+VDNA_API vdna_status bench_backbone_open(const char *manifest, uint32_t threads, vdna_error *error,
+                                         vdna_backbone **out_backbone);
+
+/** Run one picture with packed rows.
+ *  @param out_us  microseconds of decoding, resizing and inference */
+VDNA_API vdna_status bench_backbone_run(vdna_backbone *backbone, const uint8_t *data, size_t size,
+                                        uint32_t width, uint32_t height, uint32_t pixelformat,
+                                        vdna_error *error, uint32_t out_us[3]);
+
+#endif

@@ -1,0 +1,130 @@
+"""End to end: pictures go to the real daemon over real LCM, beside ONNX Runtime alone in another
+process and the reference package in this one; and what the daemon's memory does meanwhile."""
+import statistics
+
+from bare import Bare, peak_bytes, resident_bytes
+from drive import Answers, Drive, reset_message
+from measure import calmest
+from package import Package
+from scene import NETWORKS
+from selectord import Camera, Selectord, Watch
+
+BLOCK = 5  # frames that the daemon answers before its peer gets its turn
+STAGES = ("queue", "decode", "resize", "inference", "select", "rank", "publish", "total")
+
+
+def run(context):
+    """All of the group."""
+    context.peers.set_threads(2)
+    names = ["efficientnet_lite0"] if context.tiny else list(NETWORKS)
+    for name in names:
+        yield drive(context, name, context.scene.manifest(name), "fp32")
+        # Quantising for the largest pictures takes longer than all the rest.
+        if not context.tiny and not (context.quick and name == "cosplace_480x640"):
+            yield drive(context, name, context.scene.int8_manifest(name), "int8")
+    for count in [2] if context.tiny else [4, 100]:
+        yield last_frame(context, names[0] if context.tiny else "mugs_vitb16", count)
+    yield long_run(context, names[0])
+
+
+def drive(context, name, manifest, precision):
+    """Frames from the first message to the decision."""
+    frames = 10 if context.tiny else 20 if context.quick else 100
+    candidates = 2 if context.tiny else 4
+    files = context.scene.pictures(frames)
+    pictures = [file.read_bytes() for file in files]
+    options = ("--map", context.scene.map(manifest, candidates), "--backbone", manifest,
+               "--warmup-frames", frames)
+    package, blocks = package_of(context, name, files), []
+    with Answers() as answers, Camera() as camera, Selectord(*options) as daemon, \
+            Bare(context.build, manifest) as bare:
+        course = Drive(camera, answers, daemon)
+        bare.run(2)
+        for first in range(0, frames, BLOCK):
+            for utime in range(first, min(first + BLOCK, frames)):
+                course.ask(utime, pictures[utime])
+            blocks.append((course.asked[first:], bare.run(BLOCK), package and package.seconds()))
+        with Watch() as watch:
+            status = watch.wait_for("status", lambda said: said["processed"] == frames)
+        more = {"bytes": statistics.median(map(len, pictures)), "candidates": candidates,
+                "memory_mib": peak_bytes(daemon.pid) / 2**20,
+                "bare_memory_mib": peak_bytes(bare.pid) / 2**20,
+                "map_mib": sum(file.stat().st_size for file in options[1].iterdir()) / 2**20,
+                "last_frame_to_ranking_ms": 1e3 * course.asked[-1][1],
+                "stages_ms": {stage: status[stage]["p50_us"] / 1e3
+                              for stage in STAGES if stage in status}}
+    timed = summary(blocks, package and f"vdna package, batches of {package.batch}")
+    return f"drive {name} {precision}", "s/100 frames", 100, timed, more
+
+
+def summary(blocks, package=None):
+    """As compare() gives, for one frame. blocks: [(what the drive asked, what bare_onnx ran, seconds
+    of the package or None)]; package: what to call it"""
+    peers = ["ONNX Runtime alone", *([package] if package else [])]
+    per_block = [(statistics.median(frame[0] for frame in asked),
+                  statistics.median(inference[0] for inference in bare), theirs,
+                  max(statistics.median(frame[2] for frame in asked), bare[0][1]))
+                 for asked, bare, theirs in blocks]
+    used = calmest(per_block, lambda block: block[-1])
+    mine = [block[0] for block in used]
+    return {
+        "median": statistics.median(mine), "least": min(mine), "most": max(mine),
+        "rounds": len(mine), "waited": statistics.median(block[-1] for block in used),
+        "peers": {name: {"median": statistics.median(block[i] for block in used),
+                         "speedup": statistics.median(block[i] / block[0] for block in used)}
+                  for i, name in enumerate(peers, start=1)},
+    }
+
+
+def package_of(context, name, files):
+    """The reference package with this network at its best batch size, made once; None where there
+    is no such."""
+    if not context.peers.package or name == "efficientnet_lite0":
+        return None
+    if name not in context.packages:
+        context.packages[name] = Package(context.peers.torch, name, NETWORKS[name][1:], files,
+                                         (1, 8) if context.quick else (1, 8, 32))
+    return context.packages[name]
+
+
+def last_frame(context, name, count):
+    """From the last frame of a warmup to the ranking: a warmup of one frame, again and again."""
+    manifest, frames = context.scene.manifest(name), 6 if context.tiny else 20
+    picture = context.scene.pictures(3)[0].read_bytes()
+    options = ("--map", context.scene.map(manifest, count), "--backbone", manifest,
+               "--warmup-frames", 1)
+    blocks = []
+    with Answers() as answers, Camera() as camera, Camera("VDNA_COMMAND") as operator, \
+            Selectord(*options) as daemon, Bare(context.build, manifest) as bare:
+        course = Drive(camera, answers, daemon)
+        for utime in range(frames):
+            operator.send(reset_message())
+            course.ask(utime, picture)
+            _, ranked, wait = course.asked[-1]
+            blocks.append(([(ranked, ranked, wait)], bare.run(1), None))
+    timed = summary(blocks[2:])
+    bare_median = timed["peers"]["ONNX Runtime alone"]["median"]
+    return (f"last frame {name}, K={count}", "ms", 1e3, timed,
+            {"beyond_inference_ms": 1e3 * (timed["median"] - bare_median)})
+
+
+def long_run(context, name):
+    """The daemon's memory while frames come and come."""
+    manifest = context.scene.manifest(name)
+    frames = 40 if context.tiny else 1000 if context.quick else 10000
+    pictures = [file.read_bytes() for file in context.scene.pictures(10 if context.tiny else 20)]
+    options = ("--map", context.scene.map(manifest, 2), "--backbone", manifest,
+               "--warmup-frames", 10)
+    points = []
+    with Answers() as answers, Camera() as camera, Selectord(*options) as daemon:
+        course = Drive(camera, answers, daemon)
+        for utime in range(frames):
+            if utime % (frames // 40) == 0:
+                points.append((utime, resident_bytes(daemon.pid) / 2**20))
+            course.ask(utime, pictures[utime % len(pictures)])
+        points.append((frames, resident_bytes(daemon.pid) / 2**20))
+    took = sorted(frame[0] for frame in course.asked)
+    median = statistics.median(took)
+    timed = {"median": median, "least": took[0], "most": took[-1], "rounds": frames, "peers": {},
+             "waited": statistics.median(frame[2] for frame in course.asked)}
+    return f"long run {name}", "ms/frame", 1e3, timed, {"memory_mib_by_frame": points}

@@ -1,0 +1,67 @@
+"""The reference package on the same pictures and the same network, in PyTorch."""
+import sys
+import time
+from pathlib import Path
+
+GOLDEN = Path(__file__).resolve().parents[1] / "golden"
+
+
+def torch_network(torch, name):
+    """(module, name of the output that is counted, neurons), or None if PyTorch has no such."""
+    sys.path.insert(0, str(GOLDEN))
+    import make_export
+    if name.startswith("cosplace"):
+        return make_export.cosplace_resnet101(), "embedding", 128
+    if name.startswith("mugs"):
+        return make_export.mugs_vitb16(), "tokens", 768
+    if name.startswith("mobilenet_v2"):
+        from torchvision.models import mobilenet_v2
+        network = mobilenet_v2(weights=None)
+
+        class Pooled(torch.nn.Module):
+            def forward(self, x):
+                return {"embedding": network.features(x).mean((2, 3))}
+        return Pooled(), "embedding", 1280
+    return None
+
+
+class Package:
+    """VDNAs of pictures as the package makes them."""
+
+    def __init__(self, torch, name, size, files, batches):
+        """files: pictures; batches: sizes to choose the fastest of"""
+        from vdna.networks import FeatureExtractionModel
+        from vdna.utils.settings import DataSettings, ExtractionSettings, NetworkSettings
+        module, output, neurons = torch_network(torch, name)
+        module.eval()
+        network = NetworkSettings([0.485, 0.456, 0.406], [0.229, 0.224, 0.225], {output: neurons},
+                                  size, name)
+        ranges = {key: {output: dict.fromkeys(range(neurons), value)}
+                  for key, value in (("mins_per_neuron", -3.0), ("maxs_per_neuron", 3.0))}
+
+        class Extractor(FeatureExtractionModel):
+            def get_features(self, x):
+                values = module(x)[output]
+                values = values[:, None] if values.ndim == 2 else values
+                return {output: values.permute(0, 2, 1).unsqueeze(3)}
+
+        settings = ExtractionSettings(device="cpu", num_workers=0, verbose=False,
+                                      n_sample_images=0)
+        self._extractor = Extractor(network, settings, ranges)
+        self._data_settings = DataSettings
+        self._files = [str(file) for file in (files * max(batches))[:max(batches)]]
+        self._seconds(1)
+        self.batch = min(batches, key=self._seconds)
+
+    def seconds(self):
+        """How long it takes to count one picture."""
+        return self._seconds(self.batch)
+
+    def _seconds(self, batch):
+        from vdna.vdnas import get_vdna
+        self._extractor.extraction_settings.batch_size = batch
+        dna = get_vdna("histogram-1000")
+        settings = self._data_settings(source=self._files[:batch], shuffle_files=False)
+        begin = time.perf_counter()
+        dna.fill_vdna(self._extractor, settings)
+        return (time.perf_counter() - begin) / batch

@@ -1,0 +1,48 @@
+"""The peers: packages of others in a virtual environment, build/peers, that is made on request."""
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+PACKAGES = ("torch", "torchvision", "vdna", "faiss-cpu", "POT", "scipy")
+
+
+def enter(build, make):
+    """Begin the script anew in the peers' environment if it is there; `make` it first if asked."""
+    folder = build / "peers"
+    python = folder / "bin" / "python3"
+    if Path(sys.prefix).resolve() == folder.resolve():
+        return
+    if make and not python.exists():
+        subprocess.run(["/usr/bin/python3", "-m", "venv", folder], check=True)
+        subprocess.run([folder / "bin" / "pip", "install", "--quiet", *PACKAGES], check=True)
+    if python.exists():
+        sys.stdout.flush()
+        os.execv(python, [str(python), *sys.argv])
+
+
+class Peers:
+    """The packages that are here, each None where it is not."""
+
+    def __init__(self):
+        self.torch = imported("torch")
+        self.faiss = imported("faiss")
+        self.ot = imported("ot")
+        self.scipy_stats = imported("scipy.stats")
+        self.scipy_linalg = imported("scipy.linalg")
+        self.package = imported("vdna.utils.stats")
+        self.cv2 = imported("cv2")
+
+    def set_threads(self, count):
+        if self.torch:
+            self.torch.set_num_threads(count)
+        if self.faiss:
+            self.faiss.omp_set_num_threads(count)
+
+
+def imported(name):
+    try:
+        __import__(name)
+    except ImportError:
+        return None
+    return sys.modules[name]

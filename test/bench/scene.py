@@ -1,0 +1,102 @@
+"""What a drive needs, made once in build/bench and used again: pictures, networks, maps."""
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+from bare import configured
+
+ROOT = Path(__file__).resolve().parents[2]
+MAP_FRAMES = 1150
+CALIBRATION = 40  # pictures for int8
+
+# name -> what networks.py makes it of (None: it comes with the project), input height and width
+NETWORKS = {
+    "efficientnet_lite0": (None, 224, 224),
+    "mobilenet_v2": (None, 224, 224),
+    "cosplace_224": (("cosplace", "cosplace_resnet101_128"), 224, 224),
+    "mugs_vitb16": (("vit", "mugs_vitb16"), 224, 224),
+    "cosplace_480x640": (("cosplace", "cosplace_resnet101_128"), 480, 640),
+}
+
+
+class Scene:
+    """A folder with everything."""
+
+    def __init__(self, build):
+        self._build, self.folder = build, build / "bench"
+        self.folder.mkdir(exist_ok=True)
+
+    def _vdna(self, *arguments):
+        subprocess.run([self._build / "bin" / "vdna", *map(str, arguments)], check=True,
+                       stdout=subprocess.DEVNULL)
+
+    def pictures(self, count):
+        """Paths of JPEG pictures of 640x480, each small enough for one datagram."""
+        folder = self.folder / f"pictures-{count}"
+        if not folder.exists():
+            part = folder.with_suffix(".part")
+            shutil.rmtree(part, ignore_errors=True)
+            self._vdna("simulate", part, "--size", "640x480", "--quality", 85,
+                       "--frames", count)
+            part.rename(folder)
+        return sorted(folder.glob("*.jpg"))
+
+    def manifest(self, name):
+        """The manifest of a network, made if need be."""
+        made_of, height, width = NETWORKS[name]
+        if not made_of:
+            return Path(configured(self._build, "VDNA_DEPS"), "models") / f"{name}.toml"
+        path = self.folder / "networks" / f"{name}.toml"
+        if not path.exists():
+            print(f"making {name} with random weights ...", flush=True)
+            subprocess.run(["/usr/bin/python3", ROOT / "test" / "bench" / "networks.py",
+                            path.parent, name, *made_of, str(height), str(width)], check=True)
+        return path
+
+    def int8_manifest(self, name):
+        """The same network quantised."""
+        path = self.folder / "networks" / f"{name}_int8.toml"
+        if not path.exists():
+            print(f"quantising {name} ...", flush=True)
+            path.parent.mkdir(exist_ok=True)
+            subprocess.run(["/usr/bin/python3", ROOT / "models" / "quantise.py",
+                            self.manifest(name), "--out", path,
+                            "--pictures", self.pictures(CALIBRATION)[0].parent,
+                            "--vdna", self._build / "bin" / "vdna"], check=True)
+        return path
+
+    def map(self, manifest, count):
+        """A map of experiences that are one built from pictures, but for random counts and
+        embeddings of MAP_FRAMES frames."""
+        folder = self.folder / "maps" / f"{manifest.stem}-{count}"
+        if not folder.exists():
+            seed, part = (folder.with_suffix(end) for end in (".seed", ".part"))
+            for path in (seed, part):
+                shutil.rmtree(path, ignore_errors=True)
+            self._vdna("build", seed, "--backbone", manifest, self.pictures(3)[0].parent)
+            part.mkdir(parents=True)
+            write_copies(next(seed.glob("*.vdna")), part, count)
+            shutil.rmtree(seed)
+            part.rename(folder)
+        return folder
+
+
+def write_copies(path, folder, count):
+    """Experiences like the one in `path`."""
+    from group_core import random_dna
+    from libvdna import Experience, HistogramView
+    seed = Experience.open(path)
+    random = np.random.default_rng(2)
+    masses = seed.histogram.mass // seed.frames  # samples of a frame
+    for number in range(count):
+        counts = random_dna(seed.histogram.neurons, MAP_FRAMES, number) * masses.astype(np.uint32)
+        embeddings = random.normal(size=(MAP_FRAMES, seed.dim)).astype(np.float32)
+        Experience(
+            name=f"copy{number}", backbone=seed.backbone, model_sha256=seed.model_sha256,
+            preprocessing=seed.preprocessing, precision=seed.precision, taps=seed.taps,
+            histogram=HistogramView(seed.histogram.range, counts), embeddings=embeddings,
+            frame_utime=np.arange(MAP_FRAMES, dtype=np.int64),
+            frame_grey=np.zeros(MAP_FRAMES, np.float32),
+        ).write(folder / f"copy{number:03}.vdna")

@@ -1,0 +1,147 @@
+"""A trial of the bench with tiny sizes: what it keeps has the shape that its page is made of. No
+speed is looked at.
+
+    test_smoke.py BUILD
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+BUILD = Path(sys.argv.pop(1))
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(HERE))
+try:
+    import numpy  # noqa: F401
+except ImportError as missing:
+    print(f"skipped: {missing}; install python3-numpy")
+    sys.exit(77)
+import figures  # noqa: E402
+import page  # noqa: E402
+from measure import calmest, compare, exponent  # noqa: E402
+from plot import bars, lines  # noqa: E402
+
+HAS_DAEMON = (BUILD / "bin" / "vdna_selectord").exists()
+
+
+def bench(*arguments):
+    """Run it without the peers, which differ from machine to machine."""
+    return subprocess.run(
+        ["/usr/bin/python3", HERE / "bench.py", "--tiny", "--no-peers", "--build", BUILD,
+         *arguments], capture_output=True, text=True)
+
+
+class Bench(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory(prefix="vdna-bench-")
+        self.addCleanup(scratch.cleanup)
+        self.folder = Path(scratch.name)
+
+    def measured(self, *groups):
+        out = self.folder / "measured.json"
+        done = bench("--out", out, *groups)
+        if done.returncode == 77:
+            self.skipTest(done.stdout)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return json.loads(out.read_text())
+
+    def check_group(self, group):
+        for key in ("date", "commit", "quick", "versions", "load_begin", "load_end"):
+            self.assertIn(key, group)
+        for result in group["results"]:
+            self.assertTrue(0 < result["least"] <= result["median"] <= result["most"], result)
+            self.assertGreater(result["rounds"], 0)
+            for peer in result["peers"].values():
+                self.assertGreater(peer["median"], 0)
+                self.assertGreater(peer["speedup"], 0)
+
+    def test_the_core_is_measured_and_kept_with_its_circumstances(self):
+        stored = self.measured("core", "files", "growth")
+        self.assertEqual(list(stored["groups"]), ["core", "files", "growth"])
+        self.assertGreaterEqual(stored["machine"]["cores"], 1)
+        for group in stored["groups"].values():
+            self.check_group(group)
+        names = [result["name"] for result in stored["groups"]["core"]["results"]]
+        self.assertIn("histogram 16x3", names)
+        self.assertIn("EMD 16 neurons, K=2", names)
+        page.write(stored, self.folder)
+        text = (self.folder / "performance.md").read_text()
+        self.assertIn("| histogram 16x3 |", text)
+        self.assertIn("<svg", (self.folder / "performance-growth.svg").read_text())
+
+    def test_a_group_that_is_measured_again_replaces_itself_only(self):
+        before = self.measured("files")
+        before["groups"]["core"] = before["groups"].pop("files")
+        (self.folder / "measured.json").write_text(json.dumps(before))
+        after = self.measured("files")
+        self.assertEqual(after["groups"]["core"], before["groups"]["core"])
+        self.assertIn("files", after["groups"])
+
+    @unittest.skipUnless(HAS_DAEMON, "the daemon is not built")
+    def test_a_drive_past_the_real_daemon_ends_in_a_ranking(self):
+        stored = self.measured("frame", "drive")
+        for group in stored["groups"].values():
+            self.check_group(group)
+        results = {result["name"]: result for result in stored["groups"]["drive"]["results"]}
+        drive = results["drive efficientnet_lite0 fp32"]
+        self.assertIn("ONNX Runtime alone", drive["peers"])
+        self.assertGreater(drive["more"]["last_frame_to_ranking_ms"], 0)
+        self.assertGreater(drive["more"]["memory_mib"], 1)
+        frames = [frame for frame, _ in
+                  results["long run efficientnet_lite0"]["more"]["memory_mib_by_frame"]]
+        self.assertEqual((frames[0], frames[-1]), (0, 40))
+        page.write(stored, self.folder)
+        for name in ("throughput", "memory"):
+            self.assertIn("<svg", (self.folder / f"performance-{name}.svg").read_text())
+
+    def test_a_group_that_is_not_there_is_refused(self):
+        done = bench("cores")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("there is no group cores", done.stderr)
+
+
+class Measuring(unittest.TestCase):
+    def test_a_ratio_says_how_many_times_as_fast_ours_is(self):
+        timed = compare(lambda: None, {"slower": lambda: sum(range(2000))}, 0.01)
+        self.assertGreater(timed["peers"]["slower"]["speedup"], 1)
+
+    def test_rounds_that_waited_are_left_out(self):
+        rounds = [(9, 0.5), (1, 0), (2, 0), (8, 0.9), (3, 0), (4, 0), (7, 0.4), (6, 0.3)]
+        self.assertEqual(calmest(rounds, lambda r: r[1]), [(1, 0), (2, 0), (3, 0), (4, 0)])
+
+    def test_the_exponent_of_a_square_is_two(self):
+        self.assertAlmostEqual(exponent([1, 10, 100], [5, 500, 50000]), 2)
+
+
+class Figures(unittest.TestCase):
+    def stored(self, median):
+        result = {"name": "nearest 1150x128", "median": median, "more": {},
+                  "peers": {"faiss IndexFlatL2": {"median": 1, "speedup": median}}}
+        return {"groups": {"core": {"results": [result]}}}
+
+    def judged(self, median):
+        [row] = [row for row in figures.judged(self.stored(median)) if row[4] is not None]
+        return figures.verdict(row[2], row[3], row[4], row[6])
+
+    def test_a_figure_is_reached_at_its_bound_and_a_miss_says_by_how_much(self):
+        self.assertEqual(self.judged(1), "reached")
+        self.assertEqual(self.judged(0.8), "missed by 25 %")
+        self.assertEqual(self.judged(0.25), "missed 4.0 x")
+
+
+class Plots(unittest.TestCase):
+    def test_bars_are_as_long_as_their_values(self):
+        plot = bars("title", [("group", [("ours", 4, True), ("theirs", 2, False)])], "/s")
+        self.assertIn('width="380.0"', plot)
+        self.assertIn('width="190.0"', plot)
+
+    def test_names_are_escaped(self):
+        self.assertIn("a &lt; b", lines("t", "x", "y", [("a < b", [(1, 1), (2, 2)])], True))
+
+
+if __name__ == "__main__":
+    unittest.main()
