@@ -43,8 +43,8 @@ static void draw_line(const vdna_hist *hist, size_t neuron, lines *l, size_t lan
     l->scale[lane] = (float)hist->bins / (hi - lo);
 }
 
-static void estimate_slots(const lines *l, uint32_t bins, const float *values,
-                                           size_t count, uint32_t *out_slots)
+static void estimate_slots(const lines *l, uint32_t bins, const float *values, size_t count,
+                           uint32_t *out_slots)
 {
     /* Difference, width, scale and product each round by at most 2^-24 of at most `bins`, a
      * subnormal scale by twice that; eight roundings are allowed for. Those of the definition, in
