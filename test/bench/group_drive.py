@@ -15,7 +15,6 @@ STAGES = ("queue", "decode", "resize", "inference", "select", "rank", "publish",
 
 def run(context):
     """All of the group."""
-    context.peers.set_threads(2)
     names = ["efficientnet_lite0"] if context.tiny else list(NETWORKS)
     for name in names:
         yield drive(context, name, context.scene.manifest(name), "fp32")
@@ -53,7 +52,7 @@ def drive(context, name, manifest, precision):
                 "last_frame_to_ranking_ms": 1e3 * course.asked[-1][1],
                 "stages_ms": {stage: status[stage]["p50_us"] / 1e3
                               for stage in STAGES if stage in status}}
-    timed = summary(blocks, package and f"vdna package, batches of {package.batch}")
+    timed = summary(blocks, package and package.name)
     return f"drive {name} {precision}", "s/100 frames", 100, timed, more
 
 
