@@ -4,7 +4,7 @@ import statistics
 
 from bare import Bare, peak_bytes, resident_bytes
 from drive import Answers, Drive, reset_message
-from measure import calmest
+from measure import calmest, ran
 from package import Package
 from scene import NETWORKS
 from selectord import Camera, Selectord, Watch
@@ -39,16 +39,20 @@ def drive(context, name, manifest, precision):
             Bare(context.build, manifest) as bare:
         course = Drive(camera, answers, daemon)
         bare.run(2)
+        ran_before = ran(daemon.pid), ran(bare.pid)
         for first in range(0, frames, BLOCK):
             for utime in range(first, min(first + BLOCK, frames)):
                 course.ask(utime, pictures[utime])
             blocks.append((course.asked[first:], bare.run(BLOCK), package and package.seconds()))
+        processor_ms = [1e3 * (ran(process.pid) - before) / frames
+                        for process, before in zip((daemon, bare), ran_before)]
         with Watch() as watch:
             status = watch.wait_for("status", lambda said: said["processed"] == frames)
         more = {"bytes": statistics.median(map(len, pictures)), "candidates": candidates,
                 "memory_mib": peak_bytes(daemon.pid) / 2**20,
                 "bare_memory_mib": peak_bytes(bare.pid) / 2**20,
                 "map_mib": sum(file.stat().st_size for file in options[1].iterdir()) / 2**20,
+                "processor_ms": processor_ms[0], "bare_processor_ms": processor_ms[1],
                 "last_frame_to_ranking_ms": 1e3 * course.asked[-1][1],
                 "stages_ms": {stage: status[stage]["p50_us"] / 1e3
                               for stage in STAGES if stage in status}}
