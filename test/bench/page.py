@@ -50,9 +50,9 @@ STAGES = """\
 
 Medians in milliseconds, as the status message has them ({frames}). `select` is counting in the
 histogram or finding the nearest frame; `rank` takes its place for the frame that completes the
-warmup. A frame's processor time, of all threads, hardly depends on what else the machine does.
-Memory is the process's peak, with all pages of the map that it looked at. In both, the second number
-is that of ONNX Runtime alone.
+warmup. Processor time is that of all threads for a frame; it suffers less than the others when the
+machine is shared. Memory is the process's peak, with all pages of the map that it looked at. In
+both, the second number is that of ONNX Runtime alone.
 
 | drive | {head} | processor ms | | MiB | |
 | --- | {rule} | ---: | ---: | ---: | ---: |
