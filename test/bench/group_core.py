@@ -13,7 +13,6 @@ LIVE, MAP = 100, 1150  # frames
 def run(context):
     """All of the group."""
     small = context.tiny
-    context.peers.set_threads(1)
     for neurons, samples in [(16, 3)] if small else [(128, 1), (768, 197), (1280, 1)]:
         yield histogram(context, neurons, samples)
         yield window(context, neurons, samples)

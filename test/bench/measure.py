@@ -15,15 +15,25 @@ LEAST_ROUNDS = 4
 
 def waited(process="self"):
     """Seconds that all threads of a process have waited for a processor so far."""
-    total = 0
+    return scheduled(process)[1]
+
+
+def ran(process):
+    """Seconds that all threads of a process have had of a processor so far."""
+    return scheduled(process)[0]
+
+
+def scheduled(process):
+    """Seconds that all threads ran, and waited to run."""
+    total = [0, 0]
     folder = f"/proc/{process}/task"
     for task in os.listdir(folder):
         try:
             with open(f"{folder}/{task}/schedstat", encoding="ascii") as file:
-                total += int(file.read().split()[1])
+                total = [a + int(b) for a, b in zip(total, file.read().split())]
         except OSError:  # the thread has ended, or the kernel does not count
             pass
-    return total / 1e9
+    return total[0] / 1e9, total[1] / 1e9
 
 
 def seconds_of(work, repeat, clock):

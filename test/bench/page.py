@@ -50,10 +50,12 @@ STAGES = """\
 
 Medians in milliseconds, as the status message has them ({frames}). `select` is counting in the
 histogram or finding the nearest frame; `rank` takes its place for the frame that completes the
-warmup. Memory is the process's peak, with all pages of the map that it looked at.
+warmup. Processor time is that of all threads for a frame; it suffers less than the others when the
+machine is shared. Memory is the process's peak, with all pages of the map that it looked at. In
+both, the second number is that of ONNX Runtime alone.
 
-| drive | {head} | MiB | ONNX Runtime alone, MiB |
-| --- | {rule} | ---: | ---: |
+| drive | {head} | processor ms | | MiB | |
+| --- | {rule} | ---: | ---: | ---: | ---: |
 {rows}
 
 """
@@ -151,7 +153,8 @@ def stages_part(stored):
     for result in drives:
         more = result["more"]
         cells = [number(more["stages_ms"].get(name)) for name in names]
-        cells += [number(more["memory_mib"]), number(more["bare_memory_mib"])]
+        cells += [number(more[key]) for key in ("processor_ms", "bare_processor_ms", "memory_mib",
+                                                "bare_memory_mib")]
         rows.append(f"| {result['name'].removeprefix('drive ')} | {' | '.join(cells)} |")
     size = number(drives[0]["more"]["bytes"])
     return STAGES.format(head=" | ".join(names), rule=" | ".join(["---:"] * len(names)),

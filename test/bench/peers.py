@@ -22,7 +22,7 @@ def enter(build, make):
 
 
 class Peers:
-    """The packages that are here, each None where it is not."""
+    """The packages that are here, each None where it is not, on one thread."""
 
     def __init__(self):
         self.torch = imported("torch")
@@ -32,12 +32,10 @@ class Peers:
         self.scipy_linalg = imported("scipy.linalg")
         self.package = imported("vdna.utils.stats")
         self.cv2 = imported("cv2")
-
-    def set_threads(self, count):
         if self.torch:
-            self.torch.set_num_threads(count)
+            self.torch.set_num_threads(1)
         if self.faiss:
-            self.faiss.omp_set_num_threads(count)
+            self.faiss.omp_set_num_threads(1)
 
 
 def imported(name):
