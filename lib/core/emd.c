@@ -77,6 +77,45 @@ VDNA_VECTORISED static void add_row(const uint32_t *restrict row_p, const uint32
     }
 }
 
+/* As add_row(), where all of it fits 32 bits: twice as many neurons in a vector. */
+VDNA_VECTORISED static void add_narrow_row(const uint32_t *restrict row_p,
+                                           const uint32_t *restrict row_q, const uint32_t *mass_p,
+                                           const uint32_t *mass_q, size_t neurons,
+                                           int32_t *restrict difference, int32_t *restrict sum)
+{
+    for (size_t n = 0; n < neurons; n++) {
+        const int32_t d =
+            difference[n] + (int32_t)(row_p[n] * mass_q[n]) - (int32_t)(row_q[n] * mass_p[n]);
+        difference[n] = d;
+        sum[n] += d < 0 ? -d : d;
+    }
+}
+
+/* Do the sums of all neurons fit 32 bits? */
+static int is_narrow(const vdna_hist_view *p, const vdna_hist_view *q)
+{
+    const uint64_t most = (uint64_t)INT32_MAX / (p->bins - 1);
+    uint64_t largest = 0;
+    for (size_t n = 0; n < p->neurons; n++) {
+        const uint64_t product = (uint64_t)p->mass[n] * q->mass[n];
+        largest = product > largest ? product : largest;
+    }
+    return largest <= most;
+}
+
+/* sum_rows() in 32 bits, which lie where the 64-bit differences would, and are then widened. */
+static void sum_narrow_rows(const vdna_hist_view *p, const vdna_hist_view *q, const work *w)
+{
+    const size_t neurons = p->neurons;
+    int32_t *const difference = (int32_t *)(void *)w->difference, *const sum = difference + neurons;
+    memset(w->difference, 0, neurons * sizeof *w->difference);
+    for (size_t b = 0; b + 1 < p->bins; b++)
+        add_narrow_row(p->counts + b * neurons, q->counts + b * neurons, p->mass, q->mass, neurons,
+                       difference, sum);
+    for (size_t n = 0; n < neurons; n++)
+        w->sum[n] = sum[n];
+}
+
 /* The exact sums of all neurons. Row by row: each row is one pass over memory that vectorises. */
 static void sum_rows(const vdna_hist_view *p, const vdna_hist_view *q, const work *w)
 {
@@ -96,7 +135,10 @@ static vdna_status exact_sums(const vdna_hist_view *p, const vdna_hist_view *q, 
         return status;
     out_work->difference = scratch;
     out_work->sum = out_work->difference + p->neurons;
-    sum_rows(p, q, out_work);
+    if (is_narrow(p, q))
+        sum_narrow_rows(p, q, out_work);
+    else
+        sum_rows(p, q, out_work);
     return VDNA_OK;
 }
 

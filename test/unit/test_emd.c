@@ -57,6 +57,31 @@ static void the_same_shape_with_twice_the_mass_is_at_distance_zero(void **state)
     assert_true(distance(p, 3, doubled, 6) == 0);
 }
 
+static void sums_are_exact_on_both_sides_of_32_bits(void **state)
+{
+    (void)state;
+    const uint32_t one[BINS] = {1, 0, 0, 0, 0};
+    for (uint32_t mass = INT32_MAX / (BINS - 1) - 1; mass <= INT32_MAX / (BINS - 1) + 2; mass++) {
+        const uint32_t far[BINS] = {0, 0, 0, 0, mass}, near[BINS] = {mass - 1, 1, 0, 0, 0};
+        assert_true(distance(one, 1, far, mass) == BINS - 1);
+        assert_true(distance(far, mass, one, 1) == BINS - 1);
+        assert_true(distance(one, 1, near, mass) == 1.0 / mass);
+    }
+}
+
+static void one_neuron_of_large_mass_spoils_no_other(void **state)
+{
+    (void)state;
+    const uint32_t large = 3000000000u, counts_p[] = {large, 1, 0, 0},
+                   counts_q[] = {0, 0, large, 1};
+    const uint32_t mass[] = {large, 1};
+    const vdna_hist_view p = {range, counts_p, mass, 2, 2}, q = {range, counts_q, mass, 2, 2};
+    int64_t scratch[4];
+    double emd[2];
+    assert_int_equal(vdna_emd(&p, &q, scratch, sizeof scratch, emd), VDNA_OK);
+    assert_true(emd[0] == 1 && emd[1] == 1);
+}
+
 static void the_mean_is_over_neurons_and_bins_are_rows(void **state)
 {
     (void)state;
@@ -156,6 +181,8 @@ int main(void)
         cmocka_unit_test(the_largest_distance_is_from_the_first_bin_to_the_last),
         cmocka_unit_test(masses_need_not_be_equal),
         cmocka_unit_test(the_same_shape_with_twice_the_mass_is_at_distance_zero),
+        cmocka_unit_test(sums_are_exact_on_both_sides_of_32_bits),
+        cmocka_unit_test(one_neuron_of_large_mass_spoils_no_other),
         cmocka_unit_test(the_mean_is_over_neurons_and_bins_are_rows),
         cmocka_unit_test(an_empty_histogram_has_no_distance),
         cmocka_unit_test(histograms_of_other_ranges_or_shapes_do_not_compare),
