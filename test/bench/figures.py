@@ -1,9 +1,6 @@
 """The figures to reach, and whether a measurement reaches them."""
 
 
-
-
-
 def speedup(peer):
     return lambda result: result["peers"].get(peer, {}).get("speedup")
 
