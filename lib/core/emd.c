@@ -16,15 +16,15 @@ size_t vdna_emd_scratch_size(uint32_t neurons)
     return size <= SIZE_MAX / 2 ? (size_t)size : 0;
 }
 
-/* Every value of a sum is at most mass_p * mass_q, and the last bin adds nothing, because both
- * cumulative histograms end at 1. */
-static vdna_status check_bound(const vdna_hist_view *p, const vdna_hist_view *q)
+/* No running difference is larger than this, as an absolute value. */
+static uint64_t largest_product(const vdna_hist_view *p, const vdna_hist_view *q)
 {
-    const uint64_t most = (uint64_t)INT64_MAX / (p->bins - 1);
-    for (size_t n = 0; n < p->neurons; n++)
-        if ((uint64_t)p->mass[n] * q->mass[n] > most)
-            return VDNA_ERR_OVERFLOW;
-    return VDNA_OK;
+    uint64_t largest = 0;
+    for (size_t n = 0; n < p->neurons; n++) {
+        const uint64_t product = (uint64_t)p->mass[n] * q->mass[n];
+        largest = product > largest ? product : largest;
+    }
+    return largest;
 }
 
 static vdna_status check_arguments(const vdna_hist_view *p, const vdna_hist_view *q,
@@ -38,7 +38,7 @@ static vdna_status check_arguments(const vdna_hist_view *p, const vdna_hist_view
     const size_t needed = vdna_emd_scratch_size(p->neurons);
     if (needed == 0 || scratch_size < needed)
         return VDNA_ERR_NOMEM;
-    return check_bound(p, q);
+    return VDNA_OK;
 }
 
 /* For the proof of add_row() in test/proof. `moved` is what a bin adds to the running difference;
@@ -91,18 +91,6 @@ VDNA_VECTORISED static void add_narrow_row(const uint32_t *restrict row_p,
     }
 }
 
-/* Do the sums of all neurons fit 32 bits? */
-static int is_narrow(const vdna_hist_view *p, const vdna_hist_view *q)
-{
-    const uint64_t most = (uint64_t)INT32_MAX / (p->bins - 1);
-    uint64_t largest = 0;
-    for (size_t n = 0; n < p->neurons; n++) {
-        const uint64_t product = (uint64_t)p->mass[n] * q->mass[n];
-        largest = product > largest ? product : largest;
-    }
-    return largest <= most;
-}
-
 /* sum_rows() in 32 bits, which lie where the 64-bit differences would, and are then widened. */
 static void sum_narrow_rows(const vdna_hist_view *p, const vdna_hist_view *q, const work *w)
 {
@@ -133,9 +121,13 @@ static vdna_status exact_sums(const vdna_hist_view *p, const vdna_hist_view *q, 
     const vdna_status status = check_arguments(p, q, scratch, scratch_size);
     if (status != VDNA_OK)
         return status;
+    /* The last bin adds nothing to a sum, because both cumulative histograms end at 1. */
+    const uint64_t largest = largest_product(p, q), terms = p->bins - 1;
+    if (largest > INT64_MAX / terms)
+        return VDNA_ERR_OVERFLOW;
     out_work->difference = scratch;
     out_work->sum = out_work->difference + p->neurons;
-    if (is_narrow(p, q))
+    if (largest <= INT32_MAX / terms)
         sum_narrow_rows(p, q, out_work);
     else
         sum_rows(p, q, out_work);
