@@ -11,7 +11,7 @@ import unittest
 
 import own_network
 from allocations import Allocations
-from selectord import Camera, Listener, Selectord, answer_of, memory_of, vdna
+from selectord import Camera, Listener, Selectord, answer_of, jpegs_in, memory_of, vdna
 
 WORK = os.path.abspath("real_frames")
 MAP, LIVE = os.path.join(WORK, "map"), os.path.join(WORK, "live")
@@ -35,19 +35,10 @@ def prepare():
     os.rename(LIVE + ".part", LIVE)
 
 
-def pictures():
-    found = []
-    for name in sorted(os.listdir(LIVE)):
-        if name.endswith(".jpg"):
-            with open(os.path.join(LIVE, name), "rb") as file:
-                found.append(file.read())
-    return found
-
-
 class RealFrames(unittest.TestCase):
 
     def test_ten_thousand_frames_cost_no_allocation_of_ours_and_no_memory(self):
-        live = pictures()
+        live = jpegs_in(LIVE)
         allocations = Allocations(os.path.join(WORK, "allocations"))
         with Listener("VDNA_LOCALISATION") as answers, Camera() as camera, \
                 Selectord("--map", MAP, "--warmup-frames", 30,

@@ -8,11 +8,10 @@ import resource
 import shutil
 import subprocess
 import time
-import unittest
 
 import own_network
-from selectord import (BIN, PATIENCE, Camera, Listener, Selectord, Watch, answer_of, memory_of,
-                       selectord, vdna)
+from selectord import (BIN, PATIENCE, Camera, Listener, Selectord, Watch, WithConfiguration,
+                       answer_of, memory_of, selectord, vdna)
 
 WORK = os.path.abspath("statement")
 MAP = os.path.join(WORK, "map")
@@ -40,13 +39,9 @@ def read(path):
         return file.read()
 
 
-class Statement(unittest.TestCase):
+class Statement(WithConfiguration):
 
-    def configure(self, text):
-        path = os.path.join(WORK, f"{self.id()}.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
-        return path
+    work = WORK
 
     def state(self, text):
         """The statement for a configuration, as JSON."""

@@ -11,6 +11,7 @@ import struct
 import subprocess
 import threading
 import time
+import unittest
 
 BIN = os.environ["VDNA_BIN"]
 # LCM's own default network is that of the namespace.
@@ -31,6 +32,26 @@ def vdna(*arguments, check=True):
 def vdna_json(*arguments):
     """What `vdna ... --json` prints."""
     return json.loads(vdna(*arguments, "--json").stdout)
+
+
+def jpegs_in(folder):
+    """The contents of its JPEG files, by name."""
+    found = []
+    for name in sorted(os.listdir(folder)):
+        if name.endswith(".jpg"):
+            with open(os.path.join(folder, name), "rb") as file:
+                found.append(file.read())
+    return found
+
+
+class WithConfiguration(unittest.TestCase):
+    """Tests that write a configuration into the folder `work`."""
+
+    def configure(self, text):
+        path = os.path.join(self.work, f"{self.id()}.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
 
 
 def selectord(*arguments):

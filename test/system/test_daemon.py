@@ -9,10 +9,10 @@ import signal
 import statistics
 import subprocess
 import time
-import unittest
 
 import own_network
-from selectord import BIN, Camera, Selectord, Watch, image_message, selectord, vdna, vdna_json
+from selectord import (BIN, Camera, Selectord, Watch, WithConfiguration, image_message, selectord,
+                       vdna, vdna_json)
 
 WORK = os.path.abspath("daemon")
 MAP = os.path.join(WORK, "map")
@@ -48,18 +48,10 @@ def has_answered(frames):
     return lambda status: status["received"] >= frames
 
 
-class WithConfiguration(unittest.TestCase):
-    """Tests that write a configuration."""
-
-    def configure(self, text):
-        path = os.path.join(WORK, f"{self.id()}.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
-        return path
-
-
 class Network(WithConfiguration):
     """A daemon on the network."""
+
+    work = WORK
 
     def drive(self, *options):
         """Everything that a fresh daemon says to the live drive.
@@ -275,6 +267,8 @@ class Network(WithConfiguration):
 
 class CommandLine(WithConfiguration):
     """Runs that end by themselves."""
+
+    work = WORK
 
     def assert_refused(self, text, place, *words):
         """The configuration ends the daemon with exit code 2 and a line that names the place."""

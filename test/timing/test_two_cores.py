@@ -20,7 +20,8 @@ import unittest
 
 import own_network
 from camera30 import Camera30
-from selectord import Camera, Listener, Selectord, Watch, answer_of, selectord, vdna
+from selectord import (Camera, Listener, Selectord, Watch, WithConfiguration, answer_of, jpegs_in,
+                       selectord, vdna)
 
 UNDER_LOAD_MAX = 16  # undisturbed medians
 SECONDS = 4          # of each phase
@@ -34,15 +35,6 @@ def prepare():
     shutil.rmtree(WORK, ignore_errors=True)
     vdna("simulate", LIVE, "--condition", "winter", "--frames", 30)
     vdna("build", MAP, LIVE)
-
-
-def pictures():
-    found = []
-    for name in sorted(os.listdir(LIVE)):
-        if name.endswith(".jpg"):
-            with open(os.path.join(LIVE, name), "rb") as file:
-                found.append(file.read())
-    return found
 
 
 def two_processors():
@@ -90,20 +82,16 @@ def threads_of(pid):
     return found
 
 
-class TwoCores(unittest.TestCase):
+class TwoCores(WithConfiguration):
 
-    def configure(self, text):
-        path = os.path.join(WORK, f"{self.id()}.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
-        return path
+    work = WORK
 
     def test_answers_keep_their_deadline_beside_a_load_on_both_processors(self):
         processors = two_processors()
         pinned = ("taskset", "-c", ",".join(map(str, processors)))
         with Listener("VDNA_LOCALISATION") as answers, Watch() as watch, Camera() as camera, \
                 Selectord("--map", MAP, "--warmup-frames", 30, prefix=pinned):
-            with Camera30(camera, pictures()) as camera30:
+            with Camera30(camera, jpegs_in(LIVE)) as camera30:
                 for _ in range(30):
                     answers.next()
                 alone, beside = [], []
