@@ -3,9 +3,9 @@
 
 #include "vectorised.h"
 
-/* Working memory: per neuron the running difference of the cumulative counts, and its sum. */
+/* Working memory, for the neurons of a span. */
 typedef struct work {
-    int64_t *difference; /* [neurons], cumulative P * mass_q - cumulative Q * mass_p so far */
+    int64_t *difference; /* [neurons], cumulative P * scale_p - cumulative Q * scale_q so far */
     int64_t *sum;        /* [neurons], sum of its absolute values so far */
 } work;
 
@@ -14,17 +14,6 @@ size_t vdna_emd_scratch_size(uint32_t neurons)
 {
     const uint64_t size = (uint64_t)neurons * 2 * sizeof(int64_t);
     return size <= SIZE_MAX / 2 ? (size_t)size : 0;
-}
-
-/* No running difference is larger than this, as an absolute value. */
-static uint64_t largest_product(const vdna_hist_view *p, const vdna_hist_view *q)
-{
-    uint64_t largest = 0;
-    for (size_t n = 0; n < p->neurons; n++) {
-        const uint64_t product = (uint64_t)p->mass[n] * q->mass[n];
-        largest = product > largest ? product : largest;
-    }
-    return largest;
 }
 
 static vdna_status check_arguments(const vdna_hist_view *p, const vdna_hist_view *q,
@@ -41,6 +30,36 @@ static vdna_status check_arguments(const vdna_hist_view *p, const vdna_hist_view
     return VDNA_OK;
 }
 
+/* Neighbouring neurons of the same two masses, as those of a tap: over the least common multiple of
+ * both, their cumulative histograms become whole numbers. */
+typedef struct span {
+    size_t first, count;       /* neurons */
+    uint32_t scale_p, scale_q; /* what a count of P, and of Q, is multiplied by */
+    uint64_t mass;             /* the common multiple */
+} span;
+
+static uint32_t greatest_common_divisor(uint32_t a, uint32_t b)
+{
+    while (b != 0) {
+        const uint32_t rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+static span span_from(const vdna_hist_view *p, const vdna_hist_view *q, size_t first)
+{
+    const uint32_t mass_p = p->mass[first], mass_q = q->mass[first];
+    size_t end = first + 1;
+    while (end < p->neurons && p->mass[end] == mass_p && q->mass[end] == mass_q)
+        end++;
+    const uint32_t divisor = greatest_common_divisor(mass_p, mass_q);
+    const span s = {first, end - first, mass_q / divisor, mass_p / divisor,
+                    (uint64_t)mass_p * (mass_q / divisor)};
+    return s;
+}
+
 /* For the proof of add_row() in test/proof. `moved` is what a bin adds to the running difference;
  * that all of it fits is the bound which was checked before. */
 /*@ lemma product: \forall integer x, y; 0 <= x <= UINT32_MAX && 0 <= y <= UINT32_MAX ==>
@@ -50,25 +69,25 @@ static vdna_status check_arguments(const vdna_hist_view *p, const vdna_hist_view
       0 <= sum && sum + \abs(difference + moved) <= INT64_MAX; */
 
 /*@ requires \valid_read(row_p + (0 .. neurons - 1)) && \valid_read(row_q + (0 .. neurons - 1));
-    requires \valid_read(mass_p + (0 .. neurons - 1)) && \valid_read(mass_q + (0 .. neurons - 1));
     requires \valid(difference + (0 .. neurons - 1)) && \valid(sum + (0 .. neurons - 1));
     requires \separated(difference + (0 .. neurons - 1), sum + (0 .. neurons - 1));
     requires \forall integer n; 0 <= n < neurons ==>
-      fits(difference[n], sum[n], row_p[n] * mass_q[n] - row_q[n] * mass_p[n]);
+      fits(difference[n], sum[n], row_p[n] * scale_p - row_q[n] * scale_q);
     assigns difference[0 .. neurons - 1], sum[0 .. neurons - 1]; */
 VDNA_VECTORISED static void add_row(const uint32_t *restrict row_p, const uint32_t *restrict row_q,
-                                    const uint32_t *mass_p, const uint32_t *mass_q, size_t neurons,
+                                    uint32_t scale_p, uint32_t scale_q, size_t neurons,
                                     int64_t *restrict difference, int64_t *restrict sum)
 {
     /*@ loop invariant 0 <= n <= neurons;
         loop invariant \forall integer i; n <= i < neurons ==>
-          difference[i] == \at(difference[i], Pre) && sum[i] == \at(sum[i], Pre);
+          difference[i] == \at(difference[i], Pre);
+        loop invariant \forall integer i; n <= i < neurons ==> sum[i] == \at(sum[i], Pre);
         loop assigns n, difference[0 .. neurons - 1], sum[0 .. neurons - 1];
         loop variant neurons - n; */
     for (size_t n = 0; n < neurons; n++) {
-        const uint64_t moved_p = (uint64_t)row_p[n] * mass_q[n];
-        const uint64_t moved_q = (uint64_t)row_q[n] * mass_p[n];
-        /*@ assert moved_p == row_p[n] * mass_q[n] && moved_q == row_q[n] * mass_p[n]; */
+        const uint64_t moved_p = (uint64_t)row_p[n] * scale_p;
+        const uint64_t moved_q = (uint64_t)row_q[n] * scale_q;
+        /*@ assert moved_p == row_p[n] * scale_p && moved_q == row_q[n] * scale_q; */
         /*@ assert fits(difference[n], sum[n], moved_p - moved_q); */
         /*@ assert (int64_t)(moved_p - moved_q) == moved_p - moved_q; */
         const int64_t d = difference[n] + (int64_t)(moved_p - moved_q);
@@ -79,58 +98,54 @@ VDNA_VECTORISED static void add_row(const uint32_t *restrict row_p, const uint32
 
 /* As add_row(), where all of it fits 32 bits: twice as many neurons in a vector. */
 VDNA_VECTORISED static void add_narrow_row(const uint32_t *restrict row_p,
-                                           const uint32_t *restrict row_q, const uint32_t *mass_p,
-                                           const uint32_t *mass_q, size_t neurons,
+                                           const uint32_t *restrict row_q, uint32_t scale_p,
+                                           uint32_t scale_q, size_t neurons,
                                            int32_t *restrict difference, int32_t *restrict sum)
 {
     for (size_t n = 0; n < neurons; n++) {
         const int32_t d =
-            difference[n] + (int32_t)(row_p[n] * mass_q[n]) - (int32_t)(row_q[n] * mass_p[n]);
+            difference[n] + (int32_t)(row_p[n] * scale_p) - (int32_t)(row_q[n] * scale_q);
         difference[n] = d;
         sum[n] += d < 0 ? -d : d;
     }
 }
 
-/* sum_rows() in 32 bits, which lie where the 64-bit differences would, and are then widened. */
-static void sum_narrow_rows(const vdna_hist_view *p, const vdna_hist_view *q, const work *w)
+/* The exact sums of a span. Row by row: each row is one pass over memory that vectorises. The last
+ * bin adds nothing to a sum, because both cumulative histograms end at 1. */
+static void sum_rows(const vdna_hist_view *p, const vdna_hist_view *q, const span *s, const work *w)
 {
-    const size_t neurons = p->neurons;
-    int32_t *const difference = (int32_t *)(void *)w->difference, *const sum = difference + neurons;
-    memset(w->difference, 0, neurons * sizeof *w->difference);
-    for (size_t b = 0; b + 1 < p->bins; b++)
-        add_narrow_row(p->counts + b * neurons, q->counts + b * neurons, p->mass, q->mass, neurons,
-                       difference, sum);
-    for (size_t n = 0; n < neurons; n++)
+    memset(w->difference, 0, s->count * sizeof *w->difference);
+    memset(w->sum, 0, s->count * sizeof *w->sum);
+    for (size_t b = 0, at = s->first; b + 1 < p->bins; b++, at += p->neurons)
+        add_row(p->counts + at, q->counts + at, s->scale_p, s->scale_q, s->count, w->difference,
+                w->sum);
+}
+
+/* sum_rows() in 32 bits, which lie where the 64-bit differences would, and are then widened. */
+static void sum_narrow_rows(const vdna_hist_view *p, const vdna_hist_view *q, const span *s,
+                            const work *w)
+{
+    int32_t *const difference = (int32_t *)(void *)w->difference;
+    int32_t *const sum = difference + s->count;
+    memset(w->difference, 0, s->count * sizeof *w->difference);
+    for (size_t b = 0, at = s->first; b + 1 < p->bins; b++, at += p->neurons)
+        add_narrow_row(p->counts + at, q->counts + at, s->scale_p, s->scale_q, s->count, difference,
+                       sum);
+    for (size_t n = 0; n < s->count; n++)
         w->sum[n] = sum[n];
 }
 
-/* The exact sums of all neurons. Row by row: each row is one pass over memory that vectorises. */
-static void sum_rows(const vdna_hist_view *p, const vdna_hist_view *q, const work *w)
+/* No running difference is larger than the common mass, no sum than that times the bins in it. */
+static vdna_status sum_span(const vdna_hist_view *p, const vdna_hist_view *q, const span *s,
+                            const work *w)
 {
-    const size_t neurons = p->neurons;
-    memset(w->difference, 0, neurons * sizeof *w->difference);
-    memset(w->sum, 0, neurons * sizeof *w->sum);
-    for (size_t b = 0; b + 1 < p->bins; b++)
-        add_row(p->counts + b * neurons, q->counts + b * neurons, p->mass, q->mass, neurons,
-                w->difference, w->sum);
-}
-
-static vdna_status exact_sums(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
-                              size_t scratch_size, work *out_work)
-{
-    const vdna_status status = check_arguments(p, q, scratch, scratch_size);
-    if (status != VDNA_OK)
-        return status;
-    /* The last bin adds nothing to a sum, because both cumulative histograms end at 1. */
-    const uint64_t largest = largest_product(p, q), terms = p->bins - 1;
-    if (largest > INT64_MAX / terms)
+    const uint64_t terms = p->bins - 1;
+    if (s->mass > INT64_MAX / terms)
         return VDNA_ERR_OVERFLOW;
-    out_work->difference = scratch;
-    out_work->sum = out_work->difference + p->neurons;
-    if (largest <= INT32_MAX / terms)
-        sum_narrow_rows(p, q, out_work);
+    if (s->mass <= INT32_MAX / terms)
+        sum_narrow_rows(p, q, s, w);
     else
-        sum_rows(p, q, out_work);
+        sum_rows(p, q, s, w);
     return VDNA_OK;
 }
 
@@ -151,28 +166,49 @@ static double long_quotient(uint64_t sum, uint64_t mass)
     return (double)(whole | (rest != 0)) * unit;
 }
 
-/* The distance of one neuron: the fraction, rounded once. */
-static double emd_of(const vdna_hist_view *p, const vdna_hist_view *q, const work *w, size_t n)
+/* The fraction, rounded once. */
+static double quotient(uint64_t sum, uint64_t mass)
 {
-    const uint64_t mass = (uint64_t)p->mass[n] * q->mass[n], sum = (uint64_t)w->sum[n];
     if (sum == 0 || (sum < EXACT_DOUBLES && mass < EXACT_DOUBLES))
         return (double)sum / (double)mass;
     return long_quotient(sum, mass);
+}
+
+/* The distances of all neurons, and their sum.
+ * @param out_emd_bins  [neurons], or NULL */
+static vdna_status distances(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
+                             size_t scratch_size, double *out_emd_bins, double *out_total)
+{
+    vdna_status status = check_arguments(p, q, scratch, scratch_size);
+    if (status != VDNA_OK)
+        return status;
+    const work w = {scratch, (int64_t *)scratch + p->neurons};
+    double total = 0;
+    for (size_t first = 0; first < p->neurons;) {
+        const span s = span_from(p, q, first);
+        status = sum_span(p, q, &s, &w);
+        if (status != VDNA_OK)
+            return status;
+        for (size_t n = 0; n < s.count; n++) {
+            const double emd = quotient((uint64_t)w.sum[n], s.mass);
+            if (out_emd_bins)
+                out_emd_bins[first + n] = emd;
+            total += emd;
+        }
+        first += s.count;
+    }
+    *out_total = total;
+    return VDNA_OK;
 }
 
 /* see vdna/emd.h */
 vdna_status vdna_emd(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
                      size_t scratch_size, double *out_emd_bins)
 {
+    double total;
     if (!out_emd_bins)
         return VDNA_ERR_ARG;
-    work w;
-    const vdna_status status = exact_sums(p, q, scratch, scratch_size, &w);
-    if (status != VDNA_OK)
-        return status;
-    for (size_t n = 0; n < p->neurons; n++)
-        out_emd_bins[n] = emd_of(p, q, &w, n);
-    return VDNA_OK;
+    return distances(p, q, scratch, scratch_size, out_emd_bins, &total);
 }
 
 /* see vdna/emd.h */
@@ -181,13 +217,9 @@ vdna_status vdna_emd_mean(const vdna_hist_view *p, const vdna_hist_view *q, void
 {
     if (!out_distance_bins)
         return VDNA_ERR_ARG;
-    work w;
-    const vdna_status status = exact_sums(p, q, scratch, scratch_size, &w);
-    if (status != VDNA_OK)
-        return status;
-    double total = 0;
-    for (size_t n = 0; n < p->neurons; n++)
-        total += emd_of(p, q, &w, n);
-    *out_distance_bins = total / p->neurons;
-    return VDNA_OK;
+    double total;
+    const vdna_status status = distances(p, q, scratch, scratch_size, NULL, &total);
+    if (status == VDNA_OK)
+        *out_distance_bins = total / p->neurons;
+    return status;
 }

@@ -7,6 +7,7 @@ threads, and compare each output with what is computed here from the definitions
 """
 import collections
 import concurrent.futures
+import math
 import os
 import pathlib
 import shutil
@@ -242,7 +243,7 @@ def expected_edges(bins):
 
 def bound_line(p, q):
     bins, mass_p, mass_q = len(p), sum(p), sum(q)
-    fits = mass_p * mass_q * (bins - 1) <= INT64_MAX
+    fits = math.lcm(mass_p, mass_q) * (bins - 1) <= INT64_MAX
     value = float(emd(p, q)) if fits else 0.0
     return f"bound {bins} {mass_p} {mass_q} {OK if fits else OVERFLOW} {bits(value)}"
 

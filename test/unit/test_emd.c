@@ -82,6 +82,30 @@ static void one_neuron_of_large_mass_spoils_no_other(void **state)
     assert_true(emd[0] == 1 && emd[1] == 1);
 }
 
+static void neurons_of_other_masses_are_each_compared_by_their_own(void **state)
+{
+    (void)state;
+    enum { NEURONS = 6 };
+    const float six[2 * NEURONS] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+    const uint32_t p[BINS][NEURONS] = {{1, 4, 0, 6, 1, 0}, {3, 0, 6, 0, 3, 1}};
+    const uint32_t q[BINS][NEURONS] = {{0, 3, 1}, {0}, {3, 0, 2, 2, 9, 0}, {0}, {0, 0, 0, 1, 0, 5}};
+    const uint32_t mass_p[] = {4, 4, 6, 6, 4, 1}, mass_q[] = {3, 3, 3, 3, 9, 5};
+    const vdna_hist_view view_p = {six, p[0], mass_p, NEURONS, BINS};
+    const vdna_hist_view view_q = {six, q[0], mass_q, NEURONS, BINS};
+    int64_t scratch[2 * NEURONS];
+    double emd[NEURONS];
+    assert_int_equal(vdna_emd(&view_p, &view_q, scratch, sizeof scratch, emd), VDNA_OK);
+    for (size_t n = 0; n < NEURONS; n++) {
+        uint32_t one_p[BINS], one_q[BINS];
+        for (size_t b = 0; b < BINS; b++) {
+            one_p[b] = p[b][n];
+            one_q[b] = q[b][n];
+        }
+        assert_true(emd[n] == distance(one_p, mass_p[n], one_q, mass_q[n]));
+    }
+    assert_true(emd[3] == 8.0 / 3 && emd[5] == 3);
+}
+
 static void the_mean_is_over_neurons_and_bins_are_rows(void **state)
 {
     (void)state;
@@ -142,14 +166,18 @@ static void histograms_of_other_ranges_or_shapes_do_not_compare(void **state)
 static void masses_beyond_the_exact_bound_are_refused(void **state)
 {
     (void)state;
-    /* The bound for 5 bins: mass_p * mass_q <= INT64_MAX / 4 = 2^61 - 1. */
-    const uint32_t p[BINS] = {1u << 31}, q[BINS] = {0, 0, 0, 0, 1u << 30};
-    const uint32_t mass_p = 1u << 31, mass_q = 1u << 30;
+    /* The bound for 5 bins: the least common multiple <= INT64_MAX / 4 = 2^61 - 1. */
+    const uint32_t p[BINS] = {1u << 31}, q[BINS] = {0, 0, 0, 0, (1u << 30) + 1};
+    const uint32_t mass_p = 1u << 31, mass_q = (1u << 30) + 1;
     const vdna_hist_view view_p = one_neuron(p, &mass_p), view_q = one_neuron(q, &mass_q);
     assert_int_equal(status_of(&view_p, &view_q), VDNA_ERR_OVERFLOW);
 
     const uint32_t less_q[BINS] = {0, 0, 0, 0, (1u << 30) - 1};
-    assert_true(distance(p, mass_p, less_q, mass_q - 1) == BINS - 1);
+    assert_true(distance(p, mass_p, less_q, (1u << 30) - 1) == BINS - 1);
+
+    /* Equal masses are their own multiple. */
+    const uint32_t most = UINT32_MAX, far_p[BINS] = {UINT32_MAX}, far_q[BINS] = {0, 0, UINT32_MAX};
+    assert_true(distance(far_p, most, far_q, most) == 2);
 }
 
 static void bad_arguments_are_refused(void **state)
@@ -183,6 +211,7 @@ int main(void)
         cmocka_unit_test(the_same_shape_with_twice_the_mass_is_at_distance_zero),
         cmocka_unit_test(sums_are_exact_on_both_sides_of_32_bits),
         cmocka_unit_test(one_neuron_of_large_mass_spoils_no_other),
+        cmocka_unit_test(neurons_of_other_masses_are_each_compared_by_their_own),
         cmocka_unit_test(the_mean_is_over_neurons_and_bins_are_rows),
         cmocka_unit_test(an_empty_histogram_has_no_distance),
         cmocka_unit_test(histograms_of_other_ranges_or_shapes_do_not_compare),

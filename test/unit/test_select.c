@@ -176,7 +176,7 @@ static void a_refused_frame_changes_nothing_but_a_counter(void **state)
 static void a_window_that_is_too_large_to_rank_begins_anew(void **state)
 {
     (void)state;
-    /* The masses, 10^7 and 2^32 - 1, times 65535 bins pass 63 bits. */
+    /* The least common multiple of the masses, 10^7 and 2^32 - 1, times 65535 passes 63 bits. */
     static uint32_t counts[VDNA_HIST_BINS_MAX] = {10000000};
     static int64_t room[VDNA_HIST_BINS_MAX / 2 + 64];
     const vdna_select_candidate huge = {

@@ -27,10 +27,10 @@ VDNA_API size_t vdna_emd_scratch_size(uint32_t neurons);
  *  @param p, q     compare, as vdna_hist_view_check_pair() says
  *  @param scratch  aligned for int64_t, vdna_emd_scratch_size() bytes, overwritten
  *  @param scratch_size  bytes of scratch
- *  @param out_emd_bins  [neurons], 0..bins-1
+ *  @param out_emd_bins  [neurons], 0..bins-1; unspecified after an error
  *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_MISMATCH or VDNA_ERR_EMPTY if they do not compare;
  *          VDNA_ERR_NOMEM if the scratch is too small; VDNA_ERR_OVERFLOW if
- *          mass_p * mass_q * (bins - 1) passes INT64_MAX for a neuron */
+ *          (bins - 1) times the least common multiple of both masses passes INT64_MAX for a neuron */
 VDNA_API vdna_status vdna_emd(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
                               size_t scratch_size, double *out_emd_bins);
 

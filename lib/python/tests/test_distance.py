@@ -54,8 +54,10 @@ def test_what_does_not_compare_is_refused(unit_range):
     refused(Status.MISMATCH, emd, one, histogram_of([[0, 0, 0]], unit_range * 2))
     refused(Status.MISMATCH, emd, one, histogram_of([[0, 0]], unit_range[:2]))
     refused(Status.ARG, rank, one, [])
-    most = HistogramView(unit_range, np.full((10, 3), 2**28, np.uint32))
-    refused(Status.OVERFLOW, emd, most, most)
+    most = np.full((10, 3), 2**28, np.uint32)
+    one_more = most.copy()
+    one_more[0] += 1
+    refused(Status.OVERFLOW, emd, *(HistogramView(unit_range, p) for p in (most, one_more)))
     for bad in (None, 1, np.ones((10, 3))):
         with pytest.raises(TypeError):
             emd(one, bad)
