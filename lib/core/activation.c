@@ -1,6 +1,7 @@
 #include <math.h>
 
 #include "shape.h"
+#include "vectorised.h"
 
 /* see shape.h */
 vdna_status vdna_taps_shape(const vdna_activations *taps, size_t tap_count, uint32_t *out_neurons)
@@ -22,7 +23,7 @@ vdna_status vdna_taps_shape(const vdna_activations *taps, size_t tap_count, uint
 }
 
 /* Without an early exit, so that the loop vectorises: good frames are the rule. */
-static int all_finite(const float *values, size_t count)
+VDNA_VECTORISED static int all_finite(const float *values, size_t count)
 {
     int finite = 1;
     for (size_t i = 0; i < count; i++)

@@ -1,4 +1,5 @@
 #include "count.h"
+#include "vectorised.h"
 
 /* The definition to the letter: half-open bins, the last closed. */
 static uint32_t slot_of(const vdna_hist *hist, size_t neuron, float value)
@@ -27,7 +28,7 @@ static uint32_t bin_of(const vdna_hist *hist, uint32_t slot)
  * does not make the bin certain, because an edge is near or the value beyond the range, the slot is
  * UNSURE and the definition decides. */
 #define UNSURE UINT32_MAX
-enum { AT_A_TIME = 32 }; /* few enough for a microcontroller's stack */
+enum { AT_A_TIME = sizeof(void *) > 4 ? 128 : 32 }; /* a microcontroller's stack is small */
 
 /* The line from a value to its place among the bins, for the neuron of each lane. */
 typedef struct lines {
@@ -36,15 +37,15 @@ typedef struct lines {
 
 /* Put the line of one neuron into a lane. Where the width or the scale leaves the floats, the
  * scale is infinite or 0, with which no place is sure. */
-static void draw_line(const vdna_hist *hist, size_t neuron, lines *l, size_t lane)
+static inline void draw_line(const vdna_hist *hist, size_t neuron, lines *l, size_t lane)
 {
     const float lo = hist->range[2 * neuron], hi = hist->range[2 * neuron + 1];
     l->lo[lane] = lo;
     l->scale[lane] = (float)hist->bins / (hi - lo);
 }
 
-static void estimate_slots(const lines *l, uint32_t bins, const float *values, size_t count,
-                           uint32_t *out_slots)
+static inline void estimate_slots(const lines *l, uint32_t bins, const float *values, size_t count,
+                                  uint32_t *out_slots)
 {
     /* Difference, width, scale and product each round by at most 2^-24 of at most `bins`, a
      * subnormal scale by twice that; eight roundings are allowed for. Those of the definition, in
@@ -64,8 +65,8 @@ static void estimate_slots(const lines *l, uint32_t bins, const float *values, s
 }
 
 /* Count values whose neurons are `step` (0 or 1) apart, and make the unsure slots sure. */
-static void count_values(vdna_hist *hist, size_t neuron, size_t step, const float *values,
-                         size_t count, uint32_t *slots)
+static inline void count_values(vdna_hist *hist, size_t neuron, size_t step, const float *values,
+                                size_t count, uint32_t *slots)
 {
     /* Copies, because the compiler cannot know that counting changes none of them. */
     uint32_t *const counts = hist->counts;
@@ -82,8 +83,8 @@ static void count_values(vdna_hist *hist, size_t neuron, size_t step, const floa
 }
 
 /* Count one run of neighbours in memory. */
-static void count_run(vdna_hist *hist, const lines *l, size_t neuron, size_t step,
-                      const float *values, size_t count, uint16_t *out_slots)
+static inline void count_run(vdna_hist *hist, const lines *l, size_t neuron, size_t step,
+                             const float *values, size_t count, uint16_t *out_slots)
 {
     uint32_t slots[AT_A_TIME];
     estimate_slots(l, hist->bins, values, count, slots);
@@ -94,8 +95,8 @@ static void count_run(vdna_hist *hist, const lines *l, size_t neuron, size_t ste
 }
 
 /* Tokens: neighbours in memory are neighbouring neurons. */
-static void count_tokens(vdna_hist *hist, size_t first, const vdna_activations *tap,
-                         uint16_t *out_slots)
+VDNA_VECTORISED static void count_tokens(vdna_hist *hist, size_t first, const vdna_activations *tap,
+                                         uint16_t *out_slots)
 {
     const size_t neurons = tap->neurons;
     lines l;
@@ -111,8 +112,8 @@ static void count_tokens(vdna_hist *hist, size_t first, const vdna_activations *
 }
 
 /* A feature map: neighbours in memory are samples of one neuron. */
-static void count_map(vdna_hist *hist, size_t first, const vdna_activations *tap,
-                      uint16_t *out_slots)
+VDNA_VECTORISED static void count_map(vdna_hist *hist, size_t first, const vdna_activations *tap,
+                                      uint16_t *out_slots)
 {
     const size_t samples = tap->samples;
     lines l;
@@ -127,11 +128,11 @@ static void count_map(vdna_hist *hist, size_t first, const vdna_activations *tap
     }
 }
 
-/* Count one tap, whose first neuron is `first`. */
+/* Count one tap, whose first neuron is `first`. One sample of each neuron is either layout. */
 static void count_tap(vdna_hist *hist, size_t first, const vdna_activations *tap,
                       uint16_t *out_slots)
 {
-    if (tap->layout == VDNA_LAYOUT_SAMPLES_NEURONS)
+    if (tap->layout == VDNA_LAYOUT_SAMPLES_NEURONS || tap->samples == 1)
         count_tokens(hist, first, tap, out_slots);
     else
         count_map(hist, first, tap, out_slots);

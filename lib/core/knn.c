@@ -8,6 +8,8 @@
  * permission to reorder, and give the same bits whether they were vectorised or not. */
 enum { LANES = 8, FLOAT_LANES = 16 };
 
+enum { BLOCK = sizeof(void *) > 4 ? 32 : 8 }; /* rows at a time; a microcontroller's stack is small */
+
 /* The definition: differences, squares and sums in double. */
 VDNA_VECTORISED static double distance_sq(const float *a, const float *b, size_t dim)
 {
@@ -29,10 +31,12 @@ VDNA_VECTORISED static double distance_sq(const float *a, const float *b, size_t
     return sum;
 }
 
-/* The same in single precision, of neighbouring rows: an estimate, from half the work. */
+/* The same in single precision, of neighbouring rows: an estimate, from half the work. Lanes are
+ * added up when all rows have theirs, which vectorises over the rows. */
 VDNA_VECTORISED static void estimate_sq(const float *query, const float *map, size_t rows,
                                         size_t dim, float *out_sq)
 {
+    float sums[BLOCK][FLOAT_LANES];
     for (size_t row = 0; row < rows; row++, map += dim) {
         float lane[FLOAT_LANES] = {0};
         size_t i = 0;
@@ -41,24 +45,27 @@ VDNA_VECTORISED static void estimate_sq(const float *query, const float *map, si
                 const float d = query[i + l] - map[i + l];
                 lane[l] += d * d;
             }
-        float rest = 0;
-        for (; i < dim; i++) {
-            const float d = query[i] - map[i];
-            rest += d * d;
+        for (size_t l = 0; l < FLOAT_LANES; l++)
+            sums[row][l] = lane[l];
+        for (size_t l = 0; i + l < dim; l++) {
+            const float d = query[i + l] - map[i + l];
+            sums[row][l] += d * d;
         }
-        for (size_t half = FLOAT_LANES / 2; half > 0; half /= 2)
-            for (size_t l = 0; l < half; l++)
-                lane[l] += lane[l + half];
-        out_sq[row] = lane[0] + rest;
+    }
+    for (size_t row = 0; row < rows; row++) {
+        float sum = 0;
+        for (size_t l = 0; l < FLOAT_LANES; l++)
+            sum += sums[row][l];
+        out_sq[row] = sum;
     }
 }
 
 /* The share of an estimate that its exact distance cannot be below. A term, none is negative, is
- * rounded by at most 2^-24 three times when it is made, and once whenever it is added: in its lane
- * or in the rest, then in the sum of the lanes. */
+ * rounded by at most 2^-24 three times when it is made, and once whenever it is added: in its lane,
+ * then in the sum of the lanes. */
 static double sure_share(uint32_t dim)
 {
-    const double roundings = 3 + dim / FLOAT_LANES + FLOAT_LANES + 8;
+    const double roundings = 3 + dim / FLOAT_LANES + 1 + FLOAT_LANES;
     return 1 - roundings / 16777216;
 }
 
@@ -82,8 +89,6 @@ static uint32_t insert(vdna_knn_match *matches, uint32_t count, uint32_t capacit
     matches[place] = match;
     return count;
 }
-
-enum { BLOCK = 32 }; /* rows; few enough for a microcontroller's stack */
 
 /* see vdna/knn.h */
 vdna_status vdna_knn(const float *query, uint32_t dim, const float *map, uint32_t rows, uint32_t k,

@@ -158,7 +158,7 @@ static void values_around_every_edge_are_counted_as_defined(void **state)
 static void wide_taps_are_counted_neuron_by_neuron(void **state)
 {
     (void)state;
-    enum { WIDE = 75, SAMPLES = 3 };
+    enum { WIDE = 300, SAMPLES = 3 };
     static float values[WIDE * SAMPLES], range[2 * WIDE];
     static uint32_t mem[WIDE * (BINS + 2)];
     for (uint32_t n = 0; n < WIDE; n++) {
