@@ -29,7 +29,7 @@ def run(context):
 def drive(context, name, manifest, precision):
     """Frames from the first message to the decision."""
     frames = 10 if context.tiny else 20 if context.quick else 100
-    candidates = 2 if context.tiny else 4
+    candidates = 2 if context.tiny else 8
     files = context.scene.pictures(frames)
     pictures = [file.read_bytes() for file in files]
     options = ("--map", context.scene.map(manifest, candidates), "--backbone", manifest,

@@ -30,7 +30,8 @@ VDNA_API size_t vdna_emd_scratch_size(uint32_t neurons);
  *  @param out_emd_bins  [neurons], 0..bins-1; unspecified after an error
  *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_MISMATCH or VDNA_ERR_EMPTY if they do not compare;
  *          VDNA_ERR_NOMEM if the scratch is too small; VDNA_ERR_OVERFLOW if
- *          (bins - 1) times the least common multiple of both masses passes INT64_MAX for a neuron */
+ *          (bins - 1) times the least common multiple of both masses passes INT64_MAX for a neuron
+ */
 VDNA_API vdna_status vdna_emd(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
                               size_t scratch_size, double *out_emd_bins);
 
