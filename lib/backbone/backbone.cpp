@@ -177,7 +177,7 @@ uint32_t elapsed_us(Clock::time_point begin, Clock::time_point end)
 
 vdna_backbone::vdna_backbone(const Manifest &manifest, const vdna_backbone_config &config)
     : runtime(config.runtime),
-      session(runtime, manifest, read_model(manifest.model, manifest.sha256), config.threads),
+      session(runtime, manifest, Model(manifest.model, manifest.sha256), config.threads),
       decoder(config.max_pixels), preprocessor(manifest.input), l2_normalise(manifest.l2_normalise),
       embedding(session.embedding().size)
 {

@@ -1,10 +1,15 @@
 #include "model.hpp"
 
-#include <sha2.h>
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <string_view>
+#include <vector>
+
+#include <sha2.h>
+#include <unistd.h>
 
 #include "failure.hpp"
-#include "read_file.hpp"
 
 namespace vdna
 {
@@ -13,38 +18,63 @@ namespace
 {
 
 constexpr size_t file_max = size_t{1} << 31; // what protobuf can hold
+constexpr size_t piece = size_t{1} << 18;    // read at a time
 
-std::string sha256_of(const std::string &bytes)
+// Weights in a second file would be looked for beside the model and loaded unhashed. Every tensor
+// kept outside carries the protobuf entry {1: "location", 2: its file}; ten bytes that do not turn
+// up in weights by chance.
+constexpr std::string_view external = "\x0a\x08location";
+
+struct Content {
+    std::string sha256;
+    bool external_data = false;
+};
+
+// Look at all of a file, a piece at a time, each behind the end of the one before it: what is
+// looked for may stand on both.
+Content content_of(OpenFile &file)
 {
+    Content content;
+    SHA2_CTX hash;
+    SHA256Init(&hash);
+    std::vector<char> bytes(external.size() - 1 + piece);
+    size_t kept = 0;
+    while (const size_t count = file.read(bytes.data() + kept, piece)) {
+        SHA256Update(&hash, reinterpret_cast<const uint8_t *>(bytes.data() + kept), count);
+        const std::string_view seen(bytes.data(), kept + count);
+        content.external_data |= seen.find(external) != std::string_view::npos;
+        kept = std::min(seen.size(), external.size() - 1);
+        std::copy(seen.end() - kept, seen.end(), bytes.begin());
+    }
     char text[SHA256_DIGEST_STRING_LENGTH];
-    SHA256Data(reinterpret_cast<const uint8_t *>(bytes.data()), bytes.size(), text);
-    return text;
-}
-
-// Weights in a second file would be looked for in the current directory and loaded unhashed. Every
-// tensor kept outside carries the protobuf entry {1: "location", 2: its file}; ten bytes that do
-// not turn up in weights by chance.
-bool has_external_data(const std::string &bytes)
-{
-    return std::string_view(bytes).find("\x0a\x08location") != std::string_view::npos;
+    content.sha256 = SHA256End(&hash, text);
+    return content;
 }
 
 } // namespace
 
-std::string read_model(const std::filesystem::path &file, const std::string &sha256)
+Model::Model(const std::filesystem::path &file, const std::string &sha256) : file_(file, file_max)
 {
-    std::string bytes = read_file(file, file_max);
+    const Content content = content_of(file_);
     // A damaged model may well load and run: a third of them do.
-    const std::string found = sha256_of(bytes);
-    if (found != sha256)
-        throw Failure(VDNA_ERR_CHECKSUM, file.string() + ": its SHA-256 is " + found +
+    if (content.sha256 != sha256)
+        throw Failure(VDNA_ERR_CHECKSUM, name().string() + ": its SHA-256 is " + content.sha256 +
                                              ", the manifest expects " + sha256 +
                                              "; fetch the model again or correct the manifest");
-    if (has_external_data(bytes))
+    if (content.external_data)
         throw Failure(VDNA_ERR_UNSUPPORTED,
-                      file.string() + ": keeps weights in another file, which the SHA-256 does not "
-                                      "cover; save it as one file");
-    return bytes;
+                      name().string() +
+                          ": keeps weights in another file, which the SHA-256 does not "
+                          "cover; save it as one file");
+}
+
+std::string Model::path() const
+{
+    const std::string path = "/proc/self/fd/" + std::to_string(file_.descriptor());
+    if (access(path.c_str(), R_OK) != 0)
+        throw Failure(VDNA_ERR_IO, name().string() + ": cannot be loaded through " + path + ": " +
+                                       std::strerror(errno) + "; mount /proc");
+    return path;
 }
 
 } // namespace vdna

@@ -47,7 +47,7 @@ TensorType read_type(const Runtime &runtime, const OrtTensorTypeAndShapeInfo *in
 
 } // namespace
 
-Session::Session(const Runtime &runtime, const Manifest &manifest, const std::string &model,
+Session::Session(const Runtime &runtime, const Manifest &manifest, const Model &model,
                  uint32_t threads)
     : runtime_(runtime), api_(runtime.api()), input_name_(manifest.input.name),
       input_shape_{1, 3, manifest.input.height, manifest.input.width},
@@ -86,7 +86,7 @@ Handle<OrtEnv> Session::make_env() const
     return owner;
 }
 
-Handle<OrtSession> Session::make_session(const std::string &model, uint32_t threads) const
+Handle<OrtSession> Session::make_session(const Model &model, uint32_t threads) const
 {
     OrtSessionOptions *options = nullptr;
     runtime_.require(api_.CreateSessionOptions(&options), "make options");
@@ -104,10 +104,11 @@ Handle<OrtSession> Session::make_session(const std::string &model, uint32_t thre
     set(api_.AddSessionConfigEntry(options, "session.use_device_allocator_for_initializers", "1"));
 
     OrtSession *session = nullptr;
-    runtime_.require(
-        api_.CreateSessionFromArray(env_.get(), model.data(), model.size(), options, &session),
-        "load the model");
-    return {session, api_.ReleaseSession};
+    runtime_.require(api_.CreateSession(env_.get(), model.path().c_str(), options, &session),
+                     "load " + model.name().string());
+    Handle<OrtSession> loaded(session, api_.ReleaseSession);
+    model.require_unchanged();
+    return loaded;
 }
 
 Handle<OrtRunOptions> Session::make_run_options() const

@@ -268,7 +268,7 @@ static void a_model_other_than_the_pinned_one_is_refused(void **)
 
     Recipe nonsense;
     nonsense.model = "no network";
-    assert_not_opened(nonsense, VDNA_ERR_RUNTIME, "load the model");
+    assert_not_opened(nonsense, VDNA_ERR_RUNTIME, "tiny.onnx: ");
 }
 
 static void a_model_that_does_not_fit_its_manifest_is_refused(void **)

@@ -1,0 +1,156 @@
+// Model files: what is refused, and that nothing else is loaded than what was hashed.
+#include <cmocka.hpp>
+#include <folder.hpp>
+
+#include <cstdint>
+#include <sched.h>
+#include <sha2.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "failure.hpp"
+#include "model.hpp"
+
+using namespace vdna;
+
+static std::string sha256_of(const std::string &bytes)
+{
+    char text[SHA256_DIGEST_STRING_LENGTH];
+    return SHA256Data(reinterpret_cast<const uint8_t *>(bytes.data()), bytes.size(), text);
+}
+
+// `body` throws a Failure with `status`, and its sentence holds `words`.
+template <class Body>
+static void assert_refused(vdna_status status, const std::string &words, Body body)
+{
+    try {
+        body();
+    } catch (const Failure &failure) {
+        if (std::string(failure.what()).find(words) == std::string::npos)
+            fail_msg("expected: %s; found: %s", words.c_str(), failure.what());
+        assert_int_equal(failure.status(), status);
+        return;
+    }
+    fail_msg("expected: %s; found nothing to refuse", words.c_str());
+}
+
+static void the_pinned_bytes_are_what_is_loaded(void **)
+{
+    const Folder folder;
+    const std::string bytes(3000000, 'w'); // not a multiple of what may be read at a time
+    const Model model(folder.write("a.onnx", bytes), sha256_of(bytes));
+    assert_true(file_bytes(model.path()) == bytes);
+    model.require_unchanged();
+}
+
+static void an_empty_file_has_a_hash_as_well(void **)
+{
+    const Folder folder;
+    const Model model(folder.write("a.onnx", ""), sha256_of(""));
+    assert_true(file_bytes(model.path()).empty());
+}
+
+static void other_bytes_are_refused(void **)
+{
+    const Folder folder;
+    const std::string bytes(3000000, 'w');
+    for (const size_t place : {size_t{0}, bytes.size() / 2, bytes.size() - 1}) {
+        std::string other = bytes;
+        other[place] ^= 1;
+        const auto file = folder.write("a.onnx", other);
+        assert_refused(VDNA_ERR_CHECKSUM, sha256_of(other), [&] { Model(file, sha256_of(bytes)); });
+    }
+}
+
+static void what_is_no_file_is_refused(void **)
+{
+    const Folder folder;
+    assert_refused(VDNA_ERR_IO, "No such file", [&] { Model(folder.path() / "absent", ""); });
+    assert_refused(VDNA_ERR_IO, "not a regular file", [&] { Model(folder.path(), ""); });
+    const auto huge = folder.write("huge.onnx", "");
+    std::filesystem::resize_file(huge, (uintmax_t{1} << 31) + 1); // takes no room on the disk
+    assert_refused(VDNA_ERR_FORMAT, "2147483649 bytes", [&] { Model(huge, ""); });
+}
+
+// Wherever the entry stands in pieces that are read one after the other: across their border too.
+static void weights_in_another_file_are_refused(void **)
+{
+    const Folder folder;
+    const std::string entry = "\x0a\x08location";
+    for (size_t border = 1 << 15; border <= 1 << 20; border *= 2)
+        for (size_t before = 0; before <= entry.size(); before++) {
+            std::string bytes(border + entry.size(), 'w');
+            bytes.replace(border - before, entry.size(), entry);
+            const auto file = folder.write("a.onnx", bytes);
+            assert_refused(VDNA_ERR_UNSUPPORTED, "weights in another file",
+                           [&] { Model(file, sha256_of(bytes)); });
+        }
+}
+
+static void another_file_of_that_name_is_not_loaded(void **)
+{
+    const Folder folder;
+    const auto file = folder.write("a.onnx", "hashed");
+    const Model model(file, sha256_of("hashed"));
+    std::filesystem::rename(folder.write("b.onnx", "other"), file);
+    assert_true(file_bytes(file) == "other");
+    assert_true(file_bytes(model.path()) == "hashed");
+}
+
+static void a_file_that_was_written_to_is_noticed(void **)
+{
+    const Folder folder;
+    const auto file = folder.write("a.onnx", "hashed");
+    const Model model(file, sha256_of("hashed"));
+    const auto time = std::filesystem::last_write_time(file);
+    usleep(50000); // the clock of the file system ticks slowly
+    folder.write("a.onnx", "HASHED");
+    std::filesystem::last_write_time(file, time); // as tools that copy times do
+    assert_refused(VDNA_ERR_IO, "changed while it was read", [&] { model.require_unchanged(); });
+}
+
+// 0 = refused as it should be, 1 = not, 2 = this machine does not let us take /proc away.
+static int load_without_proc(const std::filesystem::path &file)
+{
+    const Model model(file, sha256_of("hashed"));
+    if (unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0 || mount("none", "/proc", "tmpfs", 0, "") != 0)
+        return 2;
+    try {
+        model.path();
+    } catch (const Failure &failure) {
+        return std::string(failure.what()).find("mount /proc") == std::string::npos;
+    }
+    return 1;
+}
+
+static void without_proc_the_error_says_so(void **)
+{
+    const Folder folder;
+    const auto file = folder.write("a.onnx", "hashed");
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0)
+        _exit(load_without_proc(file));
+    int status = -1;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    if (WEXITSTATUS(status) == 2)
+        _skip(__FILE__, __LINE__);
+    assert_int_equal(WEXITSTATUS(status), 0);
+}
+
+int main()
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_pinned_bytes_are_what_is_loaded),
+        cmocka_unit_test(an_empty_file_has_a_hash_as_well),
+        cmocka_unit_test(other_bytes_are_refused),
+        cmocka_unit_test(what_is_no_file_is_refused),
+        cmocka_unit_test(weights_in_another_file_are_refused),
+        cmocka_unit_test(another_file_of_that_name_is_not_loaded),
+        cmocka_unit_test(a_file_that_was_written_to_is_noticed),
+        cmocka_unit_test(without_proc_the_error_says_so),
+    };
+    return cmocka_run_group_tests_name("model", tests, nullptr, nullptr);
+}
