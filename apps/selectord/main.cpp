@@ -91,6 +91,7 @@ ExitCode run(int argc, char **argv)
 
     // Where and how to run: the threads that start from here on inherit it.
     take_processors(config);
+    return_large_blocks();
 
     // The map. A signal still ends the process by itself.
     StartUp start_up;

@@ -8,6 +8,7 @@
 #include <ostream>
 #include <utility>
 
+#include <malloc.h>
 #include <nlohmann/json.hpp>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -175,6 +176,15 @@ std::string MemoryStatement::about_large_map() const
         return "";
     return "the map is " + mib_text(map) + ", of which " + mib_text(left) + " fit into " +
            mib_text(memory) + " of memory; the rest is read from the disk when it is needed";
+}
+
+void return_large_blocks()
+{
+#ifdef M_MMAP_THRESHOLD
+    // Where glibc begins. Left to itself it goes up to 32 MiB, by which large blocks are freed
+    // first, and keeps what loading a network frees: up to 200 MiB, another amount each time.
+    mallopt(M_MMAP_THRESHOLD, 128 << 10);
+#endif
 }
 
 void lock_memory()

@@ -27,7 +27,7 @@ struct MemoryPart {
 struct StartUp {
     Resident program;  // before the map is opened
     Resident map;      // after that
-    Resident backbone; // after the network is loaded and has run once
+    Resident backbone; // after the network is loaded and has run
 };
 
 class MemoryStatement
@@ -58,6 +58,9 @@ class MemoryStatement
     std::vector<MemoryPart> parts_;
     uint64_t loading_ = 0; // most that was resident so far
 };
+
+// Give each large block back to the system as soon as it is freed. Call before any is allocated.
+void return_large_blocks();
 
 // Keep in memory what is there and all that will be. Throws Error if it is not permitted.
 void lock_memory();

@@ -99,7 +99,7 @@ Handle<OrtSession> Session::make_session(const Model &model, uint32_t threads) c
     // Waiting threads would otherwise burn the cores that the robot needs for something else.
     set(api_.AddSessionConfigEntry(options, "session.intra_op.allow_spinning", "0"));
     set(api_.AddSessionConfigEntry(options, "session.inter_op.allow_spinning", "0"));
-    // The arena is for what a run needs, so that memory is flat from the first run on; weights,
+    // The arena is for what a run needs, so that memory is flat from the second run on; weights,
     // which it would round up to a power of two, are kept outside.
     set(api_.AddSessionConfigEntry(options, "session.use_device_allocator_for_initializers", "1"));
 
@@ -182,13 +182,15 @@ void Session::request(const std::string &output)
         output_names_.push_back(output);
 }
 
-// The first run makes the output tensors; later ones write into the same memory.
+// The first run makes the output tensors, into which all later ones write, and shows how much
+// memory a run needs; the second takes that in one piece.
 void Session::bind_outputs()
 {
     for (const std::string &name : output_names_)
         output_name_texts_.push_back(name.c_str());
     output_values_.resize(output_names_.size(), nullptr);
     output_owners_.reserve(output_names_.size());
+    run();
     run();
     for (OrtValue *value : output_values_)
         output_owners_.emplace_back(value, api_.ReleaseValue);

@@ -26,7 +26,7 @@ struct Output {
 class Session
 {
   public:
-    // Load the model, check it against the manifest, and run it once on the mean colour, so that
+    // Load the model, check it against the manifest, and run it twice on the mean colour, so that
     // later runs are warm. `runtime` must outlive the session.
     // Throws Failure (VDNA_ERR_IO, VDNA_ERR_MISMATCH, VDNA_ERR_RUNTIME).
     Session(const Runtime &runtime, const Manifest &manifest, const Model &model, uint32_t threads);

@@ -65,6 +65,14 @@ class Statement(WithConfiguration):
             if not part["measured"]:
                 self.assertIn(f" {part['bytes']} ", table)
 
+    def test_loading_the_network_takes_little_more_than_it_then_holds(self):
+        stated = self.state(LIMITS)
+        stays = sum(part["bytes"] for part in stated["parts"]
+                    if part["part"] in ("program", "map", "backbone"))
+        passing = stated["resident_bytes_so_far"] - stays
+        print(f"loading took {passing / MIB:.1f} MiB beyond what stays")
+        self.assertLess(passing, 10 * MIB)  # the default network's file has 12.8
+
     def test_the_process_stays_within_the_statement_and_comes_near_it(self):
         stated = self.state(LIMITS)
         picture = read(LARGE)

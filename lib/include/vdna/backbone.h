@@ -71,7 +71,7 @@ typedef struct vdna_backbone_frame {
 VDNA_API void vdna_backbone_config_init(vdna_backbone_config *config);
 
 /** Open a network: read the manifest, check the model's SHA-256, load the runtime, bind inputs and
- *  outputs, run once on a grey picture so that later calls are warm.
+ *  outputs, run twice on a grey picture so that later calls are warm.
  *
  *  Sets ORT_DISABLE_TELEMETRY=1 in the environment, which is the whole process's: some builds of
  *  ONNX Runtime write files and start a thread as soon as they are loaded, and nothing else stops
