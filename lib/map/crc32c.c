@@ -48,7 +48,7 @@ static uint32_t little_endian(const unsigned char *bytes)
            (uint32_t)bytes[3] << 24;
 }
 
-uint32_t vdna_crc32c(uint32_t crc, const void *bytes, size_t size)
+uint32_t vdna_crc32c_by_tables(uint32_t crc, const void *bytes, size_t size)
 {
     const unsigned char *at = bytes;
     uint32_t x = ~crc;
@@ -61,4 +61,11 @@ uint32_t vdna_crc32c(uint32_t crc, const void *bytes, size_t size)
     for (; size > 0; size--, at++)
         x = x >> 8 ^ tables[0][(x ^ *at) & 0xFF];
     return ~x;
+}
+
+uint32_t vdna_crc32c(uint32_t crc, const void *bytes, size_t size)
+{
+    if (vdna_crc32c_by_instruction(&crc, bytes, size))
+        return crc;
+    return vdna_crc32c_by_tables(crc, bytes, size);
 }

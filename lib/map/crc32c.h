@@ -1,4 +1,4 @@
-/* Private to lib/map: CRC-32C (Castagnoli; iSCSI, RFC 3720), in software on every machine. */
+/* Private to lib/map: CRC-32C (Castagnoli; iSCSI, RFC 3720). */
 #ifndef VDNA_CRC32C_H
 #define VDNA_CRC32C_H
 
@@ -7,5 +7,12 @@
 
 /* The CRC of `size` more bytes after those that gave `crc`; the CRC of nothing is 0. */
 uint32_t vdna_crc32c(uint32_t crc, const void *bytes, size_t size);
+
+/* The same in software, on every machine. */
+uint32_t vdna_crc32c_by_tables(uint32_t crc, const void *bytes, size_t size);
+
+/* The same by the processor's instruction, ten times as fast.
+ * @return 1; 0 if it has none, and then `*crc` is as it was */
+int vdna_crc32c_by_instruction(uint32_t *crc, const void *bytes, size_t size);
 
 #endif

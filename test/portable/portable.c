@@ -1,8 +1,10 @@
-/* portable THREADS: do everything that the core and the selector do on made-up frames and print the
- * results to the last bit, for portable.py to compare between machines and with its own.
+/* portable THREADS: do everything that the core and the selector do on made-up frames, and the
+ * checksum of experience files, and print the results to the last bit, for portable.py to compare
+ * between machines and with its own.
  *
  * All values are small integers times powers of two, so making them rounds nothing. Numbers are
  * printed by value, so the order of bytes in memory does not show. */
+#include <crc32c.h>
 #include <inttypes.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -463,6 +465,18 @@ static void refuse_what_cannot_be_addressed(void)
         require(vdna_activations_check(&tap, 1, 65536) == VDNA_ERR_ARG, "vdna_activations_check");
 }
 
+static void checksum(void)
+{
+    enum { SIZE = 40000 };
+    unsigned char *bytes = block(SIZE);
+    random_state = 4;
+    for (size_t i = 0; i < SIZE; i++)
+        bytes[i] = (unsigned char)random_below(256);
+    for (size_t size = 1; size < SIZE; size = 2 * size + 1)
+        printf("crc32c %zu %08" PRIx32 "\n", size, vdna_crc32c(0, bytes + SIZE - size, size));
+    free(bytes);
+}
+
 int main(int argc, char **argv)
 {
     require(argc == 2 && (argv[1][0] == '1' || argv[1][0] == '2'), "portable THREADS");
@@ -473,6 +487,7 @@ int main(int argc, char **argv)
     count_edges(7);
     count_edges(1000);
     meet_the_bound();
+    checksum();
     find_neighbours();
     refuse_what_cannot_be_addressed();
     return 0;

@@ -270,6 +270,19 @@ def expected_bounds():
         yield bound_line(p, q)
 
 
+def expected_checksums():
+    random, size = Random(4), 1
+    data = [random.below(256) for _ in range(40000)]
+    while size < len(data):
+        crc = UINT32_MAX
+        for byte in data[-size:]:
+            crc ^= byte
+            for _ in range(8):
+                crc = crc >> 1 ^ (0x82F63B78 if crc & 1 else 0)
+        yield f"crc32c {size} {crc ^ UINT32_MAX:08x}"
+        size = 2 * size + 1
+
+
 def expected():
     yield from expected_ranking()
     yield from expected_window(0, 9)
@@ -277,6 +290,7 @@ def expected():
     for bins in (2, 7, 1000):
         yield expected_edges(bins)
     yield from expected_bounds()
+    yield from expected_checksums()
 
 
 # ---- Building, running, comparing ----
@@ -287,10 +301,10 @@ def output_of(build, folder):
         return None
     name = "_".join([build.compiler] + build.flags).replace("=", "_")
     sources = [ROOT / "test/portable/portable.c", *sorted(ROOT.glob("lib/core/*.c")),
-               *sorted(ROOT.glob("lib/select/*.c"))]
+               *sorted(ROOT.glob("lib/select/*.c")), *sorted(ROOT.glob("lib/map/crc32c*.c"))]
     program = os.path.join(folder, name)
-    subprocess.run([build.compiler, *FLAGS, *build.flags, f"-I{ROOT}/lib/include", "-o", program,
-                    *map(str, sources)], check=True)
+    subprocess.run([build.compiler, *FLAGS, *build.flags, f"-I{ROOT}/lib/include",
+                    f"-I{ROOT}/lib/map", "-o", program, *map(str, sources)], check=True)
     run = ([build.emulator] if build.emulator else []) + [program]
     return [subprocess.run(run + [threads], check=True, stdout=subprocess.PIPE,
                            text=True).stdout.splitlines() for threads in ("1", "2")]
