@@ -29,7 +29,7 @@ HAS_INSTRUCTION static uint32_t add_byte(uint32_t x, unsigned char byte)
 
 static int has_instruction(void)
 {
-    return (getauxval(AT_HWCAP) & 1u << 7) != 0; /* HWCAP_CRC32 */
+    return (getauxval(AT_HWCAP) & HWCAP_CRC32) != 0;
 }
 
 HAS_INSTRUCTION static uint32_t add_word(uint32_t x, uint64_t word)
