@@ -4,6 +4,7 @@ import subprocess
 import tomllib
 from pathlib import Path
 
+from ends_with_us import ENDS_WITH_US
 from measure import waited
 
 
@@ -26,7 +27,7 @@ class Bare:
         settings = tomllib.loads(Path(manifest).read_text(encoding="utf-8"))
         outputs = [settings["embedding"]["output"], *(tap["output"] for tap in settings["taps"])]
         self._process = subprocess.Popen(
-            [build / "test" / "bench" / "bare_onnx", runtime_of(build),
+            [*ENDS_WITH_US, build / "test" / "bench" / "bare_onnx", runtime_of(build),
              Path(manifest).parent / settings["model"], str(threads), *dict.fromkeys(outputs)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 

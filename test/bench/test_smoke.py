@@ -5,9 +5,11 @@ speed is looked at.
 """
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -28,11 +30,39 @@ from plot import bars, lines  # noqa: E402
 HAS_DAEMON = (BUILD / "bin" / "vdna_selectord").exists()
 
 
+def command(*arguments):
+    """The bench without the peers, which differ from machine to machine."""
+    return ["/usr/bin/python3", HERE / "bench.py", "--tiny", "--no-peers", "--build", BUILD,
+            *arguments]
+
+
 def bench(*arguments):
-    """Run it without the peers, which differ from machine to machine."""
-    return subprocess.run(
-        ["/usr/bin/python3", HERE / "bench.py", "--tiny", "--no-peers", "--build", BUILD,
-         *arguments], capture_output=True, text=True)
+    """Run it to its end."""
+    return subprocess.run(command(*arguments), capture_output=True, text=True)
+
+
+def processes_of(session):
+    """{process: its name} of a session; those that have ended and only wait to be asked how are
+    left out."""
+    found = {}
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            name, _, rest = path.read_text().partition("(")[2].rpartition(") ")
+        except OSError:  # it has just ended
+            continue
+        state, _, _, its_session = rest.split()[:4]
+        if int(its_session) == session and state != "Z":
+            found[int(path.parent.name)] = name
+    return found
+
+
+def programs_of(session):
+    return set(processes_of(session).values())
+
+
+def kill_all_of(session):
+    for process in processes_of(session):
+        os.kill(process, signal.SIGKILL)
 
 
 class Bench(unittest.TestCase):
@@ -97,6 +127,25 @@ class Bench(unittest.TestCase):
         page.write(stored, self.folder)
         for name in ("throughput", "memory"):
             self.assertIn("<svg", (self.folder / f"performance-{name}.svg").read_text())
+
+    @unittest.skipUnless(HAS_DAEMON, "the daemon is not built")
+    def test_what_runs_beside_a_bench_that_is_killed_ends_with_it(self):
+        killed = subprocess.Popen(command("drive", "--out", self.folder / "measured.json"),
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                  start_new_session=True)
+        with killed:
+            self.addCleanup(kill_all_of, killed.pid)
+            beside = {"vdna_selectord", "bare_onnx"}
+            while killed.poll() is None and not beside <= programs_of(killed.pid):
+                time.sleep(0.001)
+            if killed.poll() == 77:
+                self.skipTest(killed.stdout.read())
+            self.assertIsNone(killed.poll(), "ended before both ran")
+            killed.kill()
+        deadline = time.monotonic() + 30
+        while programs_of(killed.pid) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        self.assertEqual(programs_of(killed.pid), set())
 
     def test_a_group_that_is_not_there_is_refused(self):
         done = bench("cores")

@@ -13,6 +13,8 @@ import threading
 import time
 import unittest
 
+from ends_with_us import ENDS_WITH_US
+
 BIN = os.environ["VDNA_BIN"]
 # LCM's own default network is that of the namespace.
 os.environ.pop("LCM_DEFAULT_URL", None)
@@ -97,7 +99,8 @@ class Selectord:
     def __init__(self, *options, program=os.path.join(BIN, "vdna_selectord"), environment=None,
                  prefix=()):
         self._process = subprocess.Popen(
-            [*prefix, program, *map(str, options)], env={**os.environ, **(environment or {})},
+            [*ENDS_WITH_US, *prefix, program, *map(str, options)],
+            env={**os.environ, **(environment or {})},
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.pid = self._process.pid
         self._output, self._errors = _Lines(self._process.stdout), _Lines(self._process.stderr)
@@ -130,8 +133,9 @@ class Watch:
     """`vdna watch --json`; the constructor returns once it listens."""
 
     def __init__(self):
-        self._process = subprocess.Popen([os.path.join(BIN, "vdna"), "watch", "--json"],
-                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self._process = subprocess.Popen(
+            [*ENDS_WITH_US, os.path.join(BIN, "vdna"), "watch", "--json"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self._lines, self._errors = _Lines(self._process.stdout), _Lines(self._process.stderr)
         self.messages = []
         listening = self._errors.next(time.monotonic() + PATIENCE)

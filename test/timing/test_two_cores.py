@@ -20,6 +20,7 @@ import unittest
 
 import own_network
 from camera30 import Camera30
+from ends_with_us import ENDS_WITH_US
 from selectord import (Camera, Listener, Selectord, Watch, WithConfiguration, answer_of, jpegs_in,
                        selectord, vdna)
 
@@ -51,7 +52,7 @@ class Load:
         self._processors = processors
 
     def __enter__(self):
-        self._loops = [subprocess.Popen(["taskset", "-c", str(cpu), "sh", "-c",
+        self._loops = [subprocess.Popen([*ENDS_WITH_US, "taskset", "-c", str(cpu), "sh", "-c",
                                          "while :; do :; done"]) for cpu in self._processors]
         return self
 
