@@ -20,9 +20,8 @@ namespace
 constexpr size_t file_max = size_t{1} << 31; // what protobuf can hold
 constexpr size_t piece = size_t{1} << 18;    // read at a time
 
-// Weights in a second file would be looked for beside the model and loaded unhashed. Every tensor
-// kept outside carries the protobuf entry {1: "location", 2: its file}; ten bytes that do not turn
-// up in weights by chance.
+// Weights in a second file would be loaded unhashed. Every tensor kept outside carries the protobuf
+// entry {1: "location", 2: its file}; ten bytes that do not turn up in weights by chance.
 constexpr std::string_view external = "\x0a\x08location";
 
 struct Content {

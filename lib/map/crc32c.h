@@ -11,7 +11,7 @@ uint32_t vdna_crc32c(uint32_t crc, const void *bytes, size_t size);
 /* The same in software, on every machine. */
 uint32_t vdna_crc32c_by_tables(uint32_t crc, const void *bytes, size_t size);
 
-/* The same by the processor's instruction, ten times as fast.
+/* The same by the processor's instruction, several times as fast.
  * @return 1; 0 if it has none, and then `*crc` is as it was */
 int vdna_crc32c_by_instruction(uint32_t *crc, const void *bytes, size_t size);
 
