@@ -100,11 +100,11 @@ void copy_text(char (&out)[Room], const std::string &text, const char *what)
 
 void require_processor(const Manifest &manifest)
 {
-    if (manifest.precision == "int8" && !adds_int8_products_exactly())
+    const char *const lacks = lacks_for_int8_products();
+    if (manifest.precision == "int8" && lacks)
         throw Failure(VDNA_ERR_UNSUPPORTED,
-                      "backbone " + manifest.name +
-                          ": is int8, and this processor has neither AVX-512 VNNI nor AVX-VNNI: it "
-                          "would give other numbers than processors that have; use the fp32 "
+                      "backbone " + manifest.name + ": is int8, and this processor lacks " + lacks +
+                          ": it may give other numbers than processors that have it; use the fp32 "
                           "network and a map made with it");
 }
 

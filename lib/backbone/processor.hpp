@@ -4,8 +4,9 @@
 namespace vdna
 {
 
-// Does it add up products of 8-bit numbers without saturating in between? x86 without VNNI adds
-// pairs of them in 16 bits, so that an int8 network gives other numbers there than elsewhere.
-bool adds_int8_products_exactly();
+// What it lacks to add up products of 8-bit numbers in 32 bits; nullptr if nothing. Without that
+// ONNX Runtime adds pairs of them in 16 bits, where they saturate (x86) or wrap (ARM), so that an
+// int8 network may give other numbers there than elsewhere.
+const char *lacks_for_int8_products();
 
 } // namespace vdna

@@ -82,7 +82,7 @@ VDNA_API void vdna_backbone_config_init(vdna_backbone_config *config);
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT (manifest); VDNA_ERR_CHECKSUM
  *          (model); VDNA_ERR_MISMATCH (a tap or shape the model does not have);
  *          VDNA_ERR_UNSUPPORTED (runtime too old, or an int8 network on an x86 processor without
- *          VNNI); VDNA_ERR_RUNTIME; VDNA_ERR_NOMEM */
+ *          VNNI or an ARM one without asimddp); VDNA_ERR_RUNTIME; VDNA_ERR_NOMEM */
 VDNA_API vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *error,
                                         vdna_backbone **out_backbone);
 
