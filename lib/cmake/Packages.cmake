@@ -1,5 +1,9 @@
 # Debian packages, by `cmake --build build --target package`: libvdna0, libvdna-dev, and, where the
 # programs are built, vdna. What only a package has is excluded from `cmake --install`.
+# dpkg-shlibdeps knows the packages of this machine only.
+if(CMAKE_CROSSCOMPILING)
+  return()
+endif()
 find_program(VDNA_DPKG_SHLIBDEPS dpkg-shlibdeps)
 find_program(VDNA_GZIP gzip)
 mark_as_advanced(VDNA_DPKG_SHLIBDEPS VDNA_GZIP)
