@@ -3,6 +3,7 @@ machine's network. It needs no root; where the system does not permit it, the te
 (exit code 77).
 """
 import os
+import shlex
 import subprocess
 import sys
 import unittest
@@ -60,7 +61,7 @@ def run_tests_apart(prepare):
     failed = [name for name in names if subprocess.run(
         _in_own_network([sys.executable, script, "-v", name]),
         env={**os.environ, _INSIDE: "1"}).returncode != 0]
-    settings = " ".join(f"{name}={value}" for name, value in os.environ.items()
+    settings = " ".join(f"{name}={shlex.quote(value)}" for name, value in os.environ.items()
                         if name.startswith("VDNA_"))
     for name in failed:
         print(f"FAILED {name}; run it again with: {settings} {sys.executable} {script} {name}")
