@@ -8,7 +8,9 @@
  * permission to reorder, and give the same bits whether they were vectorised or not. */
 enum { LANES = 8, FLOAT_LANES = 16 };
 
-enum { BLOCK = sizeof(void *) > 4 ? 32 : 8 }; /* rows at a time; a microcontroller's stack is small */
+enum {
+    BLOCK = sizeof(void *) > 4 ? 32 : 8
+}; /* rows at a time; a microcontroller's stack is small */
 
 /* The definition: differences, squares and sums in double. */
 VDNA_VECTORISED static double distance_sq(const float *a, const float *b, size_t dim)
