@@ -8,9 +8,8 @@
  * permission to reorder, and give the same bits whether they were vectorised or not. */
 enum { LANES = 8, FLOAT_LANES = 16 };
 
-enum {
-    BLOCK = sizeof(void *) > 4 ? 32 : 8
-}; /* rows at a time; a microcontroller's stack is small */
+/* Rows that are estimated at a time; a microcontroller's stack is small. */
+enum { BLOCK = sizeof(void *) > 4 ? 32 : 8 };
 
 /* The definition: differences, squares and sums in double. */
 VDNA_VECTORISED static double distance_sq(const float *a, const float *b, size_t dim)
