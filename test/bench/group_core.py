@@ -91,13 +91,13 @@ def package_histogram(context, frame, batch):
     return work
 
 
-def random_dna(neurons, mass, seed):
+def random_dna(neurons, mass, seed, bins=BINS):
     """Counts [bins][neurons] of samples that keep to the middle, as those of networks do."""
     random = np.random.default_rng(seed)
-    bins = np.clip(random.normal(BINS / 2, BINS / 10, (mass, neurons)), 0, BINS - 1).astype(int)
-    flat = bins * neurons + np.arange(neurons)
-    counts = np.bincount(flat.ravel(), minlength=BINS * neurons)
-    return counts.reshape(BINS, neurons).astype(np.uint32)
+    places = np.clip(random.normal(bins / 2, bins / 10, (mass, neurons)), 0, bins - 1).astype(int)
+    flat = places * neurons + np.arange(neurons)
+    counts = np.bincount(flat.ravel(), minlength=bins * neurons)
+    return counts.reshape(bins, neurons).astype(np.uint32)
 
 
 def emd(context, neurons, count):

@@ -43,9 +43,7 @@ def ranking(neurons, bins, count):
     ranges = np.tile(np.float32([0, 1]), (neurons, 1))
 
     def view(seed):
-        counts = random_dna(neurons, 50, seed)
-        counts = np.resize(counts, (bins, neurons))
-        return HistogramView(ranges, np.ascontiguousarray(counts + 1))
+        return HistogramView(ranges, random_dna(neurons, 50, seed, bins))
 
     live, tables = view(0), [view(1 + i) for i in range(min(count, 8))]
     views = (HistView * count)(*[tables[i % len(tables)]._view for i in range(count)])
