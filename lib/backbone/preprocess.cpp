@@ -33,8 +33,10 @@ bool is_left_to_opencv(cv::Size from, cv::Size to)
 Preprocessor::Preprocessor(const Input &input)
     : size_(static_cast<int>(input.width), static_cast<int>(input.height)),
       interpolation_(input.interpolation),
-      order_(input.bgr ? std::array<size_t, 3>{2, 1, 0} : std::array<size_t, 3>{0, 1, 2}), tables_()
+      order_(input.bgr ? std::array<size_t, 3>{2, 1, 0} : std::array<size_t, 3>{0, 1, 2}),
+      tables_(), area_(size_)
 {
+    row_.reserve(size_t{input.width} * 4); // channels at most
     for (size_t c = 0; c < tables_.size(); c++)
         for (size_t level = 0; level < tables_[c].size(); level++)
             tables_[c][level] =
@@ -46,21 +48,20 @@ void Preprocessor::prepare(cv::Size from)
     if (from == from_)
         return;
     from_ = from;
-    area_.reset();
-    pillow_.reset();
-    if (interpolation_ == Interpolation::pillow_bicubic)
+    by_area_ = interpolation_ == Interpolation::area && !is_left_to_opencv(from, size_);
+    if (by_area_)
+        area_.prepare(from);
+    else if (interpolation_ == Interpolation::pillow_bicubic)
         pillow_.emplace(from, size_);
-    else if (interpolation_ == Interpolation::area && !is_left_to_opencv(from, size_))
-        area_.emplace(from, size_);
 }
 
 void Preprocessor::run(const Picture &picture, float *out)
 {
     prepare(picture.pixels.size());
-    if (area_) {
+    if (by_area_) {
         row_.resize(static_cast<size_t>(size_.width * picture.pixels.channels()));
         for (int y = 0; y < size_.height; y++) {
-            area_->row(picture.pixels, y, row_.data());
+            area_.row(picture.pixels, y, row_.data());
             normalise_row(row_.data(), picture, y, out);
         }
         return;

@@ -36,7 +36,8 @@ class Preprocessor
 
     // For pictures of size `from_`.
     cv::Size from_;
-    std::optional<AreaResampler> area_;
+    bool by_area_ = false; // and not by OpenCV
+    AreaResampler area_;
     std::optional<PillowResampler> pillow_;
     cv::Mat resized_;
     std::vector<uint8_t> row_;

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <cstring>
 
+#include <vdna/image.h>
+
 namespace vdna
 {
 
 namespace
 {
 
+constexpr size_t lanes = 4;        // sums of a pixel's channels, and most channels that one has
 constexpr int precision_bits = 22; // of Pillow's weights
 constexpr double bicubic_support = 2.0;
 
@@ -72,11 +75,11 @@ void narrow_row(const uint8_t *row, const Taps<int32_t> &taps, int channels, uin
         }
 }
 
-} // namespace
-
-Taps<float> area_taps(int from, int to)
+// Weights of the part of each source pixel that an output pixel covers. from >= to.
+void fill_area_taps(int from, int to, Taps<float> &taps)
 {
-    Taps<float> taps;
+    taps.spans.clear();
+    taps.weights.clear();
     const double scale = static_cast<double>(from) / to;
     for (int i = 0; i < to; i++) {
         const double begin = i * scale, end = std::min(begin + scale, static_cast<double>(from));
@@ -88,8 +91,17 @@ Taps<float> area_taps(int from, int to)
             taps.weights.push_back(static_cast<float>(covered / (end - begin)));
         }
     }
-    return taps;
 }
+
+// Room for any picture: an output pixel shares at most its first source pixel with the one before.
+void reserve_area_taps(int to, Taps<float> &taps)
+{
+    const auto pixels = static_cast<size_t>(to);
+    taps.spans.reserve(pixels);
+    taps.weights.reserve(VDNA_IMAGE_SIDE_MAX + pixels);
+}
+
+} // namespace
 
 Taps<int32_t> pillow_bicubic_taps(int from, int to)
 {
@@ -113,17 +125,26 @@ Taps<int32_t> pillow_bicubic_taps(int from, int to)
     return taps;
 }
 
-AreaResampler::AreaResampler(cv::Size from, cv::Size to)
-    : rows_(area_taps(from.height, to.height)), columns_(area_taps(from.width, to.width))
+AreaResampler::AreaResampler(cv::Size to) : to_(to)
 {
+    reserve_area_taps(to.height, rows_);
+    reserve_area_taps(to.width, columns_);
+    sums_.reserve((VDNA_IMAGE_SIDE_MAX + 1) * lanes);
+}
+
+void AreaResampler::prepare(cv::Size from)
+{
+    fill_area_taps(from.height, to_.height, rows_);
+    fill_area_taps(from.width, to_.width, columns_);
 }
 
 void AreaResampler::row(const cv::Mat &picture, int y, uint8_t *out)
 {
-    // Four numbers are added at once, whatever the channels: those beyond a pixel's are not used.
-    typedef float Four __attribute__((vector_size(16)));
+    // As many numbers are added at once, whatever the channels: those beyond a pixel's are not
+    // used.
+    typedef float Four __attribute__((vector_size(lanes * sizeof(float))));
     const auto channels = static_cast<size_t>(picture.channels());
-    sums_.assign(static_cast<size_t>(picture.cols) * channels + 4, 0.0f);
+    sums_.assign(static_cast<size_t>(picture.cols) * channels + lanes, 0.0f);
     add_rows(picture, rows_, y, sums_);
 
     for (const Taps<float>::Span &span : columns_.spans) {

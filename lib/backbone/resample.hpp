@@ -21,9 +21,6 @@ struct Taps {
     std::vector<Weight> weights;
 };
 
-// Weights of the part of each source pixel that an output pixel covers. from >= to.
-Taps<float> area_taps(int from, int to);
-
 // Weights as Pillow's Image.resize(..., BICUBIC) has them: a = -0.5, widened by the ratio where the
 // picture shrinks, in units of 2^-22.
 Taps<int32_t> pillow_bicubic_taps(int from, int to);
@@ -33,15 +30,19 @@ Taps<int32_t> pillow_bicubic_taps(int from, int to);
 class AreaResampler
 {
   public:
-    // No side of `to` is longer than that of `from`.
-    AreaResampler(cv::Size from, cv::Size to);
+    // All memory that any picture needs is allocated here.
+    explicit AreaResampler(cv::Size to);
 
-    // One row of the output, rounded. picture: 8 bits, any channels, of size `from`.
+    // From now on pictures are of size `from`, no side shorter than that of `to`.
+    void prepare(cv::Size from);
+
+    // One row of the output, rounded. picture: 8 bits, up to four channels.
     void row(const cv::Mat &picture, int y, uint8_t *out);
 
   private:
+    cv::Size to_;
     Taps<float> rows_, columns_;
-    std::vector<float> sums_; // over rows, [from.width][channels]
+    std::vector<float> sums_; // over rows, [width of the picture][channels]
 };
 
 // As Pillow does it, to the last bit: columns first, and rounded to 8 bits between the passes.
