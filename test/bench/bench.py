@@ -2,7 +2,8 @@
 """Measure speed and memory beside peers in the same run (./dev bench).
 
 Prints a table and keeps it in build/bench/MACHINE.json, where a group that is measured again
-replaces what was there. With --write-page, docs/performance.md and its plots are made of that file.
+replaces what was there. With --write-page, docs/performance.md and docs/memory.md with their plots
+are made of that file.
 """
 import argparse
 import importlib
@@ -14,7 +15,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 GROUPS = {"core": "group_core", "frame": "group_frame", "files": "group_files",
-          "growth": "group_growth", "drive": "group_drive"}
+          "growth": "group_growth", "sizes": "group_sizes", "drive": "group_drive"}
 FORMAT = 1  # of the JSON file
 sys.dont_write_bytecode = True
 
@@ -28,7 +29,8 @@ def parsed():
     parser.add_argument("--peers", action="store_true",
                         help="get the packages to compare with from PyPI first (3 GB)")
     parser.add_argument("--write-page", action="store_true",
-                        help="measure nothing: write docs/performance.md of what was measured")
+                        help="measure nothing: write docs/performance.md and docs/memory.md of "
+                             "what was measured")
     parser.add_argument("--no-peers", action="store_true", help="leave them out if they are there")
     parser.add_argument("--tiny", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--build", type=Path, default=ROOT / "build", help=argparse.SUPPRESS)
@@ -94,6 +96,16 @@ def stored(path):
     return {"format": FORMAT, "groups": {}}
 
 
+def write_pages(kept, folder):
+    """The pages of what was measured."""
+    import page_memory
+    import page_performance
+    if not kept["groups"]:
+        raise SystemExit("nothing was measured yet; run ./dev bench first")
+    page_performance.write(kept, folder)
+    page_memory.write(kept, folder)
+
+
 def main():
     options = parsed()
     build = options.build.resolve()
@@ -101,8 +113,7 @@ def main():
     import machine
     path = options.out or build / "bench" / machine.file_name()
     if options.write_page:
-        import page
-        page.write(stored(path), ROOT / "docs")
+        write_pages(stored(path), ROOT / "docs")
         return
 
     # Everything but the networks is on one thread, peers as well.

@@ -1,5 +1,5 @@
-"""How time and memory grow with the experiences, the neurons, the bins and the frames, with the
-exponent fitted: 1 = in proportion, 0 = not at all."""
+"""How time grows with the experiences, the neurons, the bins and the frames, with the exponent
+fitted: 1 = in proportion, 0 = not at all."""
 import numpy as np
 
 from group_core import random_dna
@@ -19,16 +19,16 @@ def run(context):
             ("localising, by frames of the map", powers(1000, 2000, 4000, 8000, 16000),
              by_map_frames)):
         points = [(size, timed(context, work(context, size))) for size in sizes]
-        fitted = exponent(*zip(*points))
-        yield (f"time of {what}", "us", 1e6, of_points(points),
-               {"points": [(size, 1e6 * value) for size, value in points], "exponent": fitted})
-    yield from memory(powers)
+        yield grown(f"time of {what}", "us", 1e6, points)
 
 
-def of_points(points):
-    median = points[-1][1]
-    return {"median": median, "least": median, "most": median, "rounds": 1, "waited": 0,
-            "peers": {}}
+def grown(name, unit, scale, points, more=None):
+    """A result of points [(size, value)]; its figure is that of the last."""
+    sizes, values = zip(*points)
+    last = dict.fromkeys(("median", "least", "most"), values[-1])
+    return (name, unit, scale, {**last, "rounds": 1, "waited": 0, "peers": {}},
+            {"points": [(size, scale * value) for size, value in zip(sizes, values)],
+             "exponent": exponent(sizes, values), **(more or {})})
 
 
 def timed(context, work):
@@ -97,22 +97,3 @@ def by_map_frames(_context, rows):
     def work(_keep=frames):
         lib.vdna_knn(query.ctypes.data, 128, frames.ctypes.data, rows, 1, match.ctypes.data)
     return work
-
-
-def memory(powers):
-    """Bytes that the library asks for."""
-    from libvdna._library import HistConfig, lib
-
-    def histogram(neurons, bins):
-        config = HistConfig()
-        lib.vdna_hist_config_init(config)
-        config.neurons, config.bins = neurons, bins
-        return lib.vdna_hist_mem_size(config)
-
-    for what, sizes, size_of in (
-            ("a histogram, by neurons", powers(128, 512, 2048, 8192), lambda n: histogram(n, 1000)),
-            ("a histogram, by bins", powers(250, 1000, 4000, 16000), lambda b: histogram(128, b))):
-        points = [(size, size_of(size)) for size in sizes]
-        yield (f"memory of {what}", "KiB", 1 / 1024, of_points(points),
-               {"points": [(size, value / 1024) for size, value in points],
-                "exponent": exponent(*zip(*points))})

@@ -23,7 +23,8 @@ except ImportError as missing:
     print(f"skipped: {missing}; install python3-numpy")
     sys.exit(77)
 import figures  # noqa: E402
-import page  # noqa: E402
+import page_memory  # noqa: E402
+from bench import write_pages  # noqa: E402
 from measure import calmest, compare, exponent  # noqa: E402
 from plot import bars, lines  # noqa: E402
 
@@ -89,19 +90,45 @@ class Bench(unittest.TestCase):
                 self.assertGreater(peer["median"], 0)
                 self.assertGreater(peer["speedup"], 0)
 
+    def page(self, name):
+        return (self.folder / f"{name}.md").read_text()
+
+    def check_plots(self, *names):
+        for name in names:
+            self.assertIn("<svg", (self.folder / f"{name}.svg").read_text())
+
     def test_the_core_is_measured_and_kept_with_its_circumstances(self):
-        stored = self.measured("core", "files", "growth")
-        self.assertEqual(list(stored["groups"]), ["core", "files", "growth"])
+        stored = self.measured("core", "files", "growth", "sizes")
+        self.assertEqual(list(stored["groups"]), ["core", "files", "growth", "sizes"])
         self.assertGreaterEqual(stored["machine"]["cores"], 1)
         for group in stored["groups"].values():
             self.check_group(group)
         names = [result["name"] for result in stored["groups"]["core"]["results"]]
         self.assertIn("histogram 16x3", names)
         self.assertIn("EMD 16 neurons, K=2", names)
-        page.write(stored, self.folder)
-        text = (self.folder / "performance.md").read_text()
-        self.assertIn("| histogram 16x3 |", text)
-        self.assertIn("<svg", (self.folder / "performance-growth.svg").read_text())
+        write_pages(stored, self.folder)
+        performance, memory = self.page("performance"), self.page("memory")
+        self.assertIn("| histogram 16x3 |", performance)
+        self.assertIn("| time of ranking, by bins | 250 to 500 |", performance)
+        self.assertIn("| memory of the map, by frames | 1,000 to 2,000 |", memory)
+        self.assertNotIn("| memory", performance)
+        self.assertNotIn("## Beside", memory)
+        self.check_plots("performance-growth", "memory-growth")
+
+    def test_the_map_has_all_of_its_experiences_and_the_selector_one_table(self):
+        results = {result["name"].removeprefix("memory of "): result["more"]
+                   for result in self.measured("sizes")["groups"]["sizes"]["results"]}
+        usual = results["the map, by experiences"]["usual"]
+        table, embeddings = (4 * usual[rows] * usual[columns] / 2**20 for rows, columns in
+                             (("neurons", "bins"), ("frames", "dim")))
+
+        (few, small), (many, large) = results["the map, by experiences"]["points"]
+        self.assertEqual(large / small, many / few)
+        self.assertTrue(table + embeddings < small / few < 1.1 * (table + embeddings))
+        (_, small), (_, large) = results["the selector, by experiences"]["points"]
+        self.assertTrue(table < small < large < 1.1 * table)
+        (_, small), (_, large) = results["the selector, by frames"]["points"]
+        self.assertEqual(small, large)
 
     def test_a_group_that_is_measured_again_replaces_itself_only(self):
         before = self.measured("files")
@@ -124,9 +151,14 @@ class Bench(unittest.TestCase):
         frames = [frame for frame, _ in
                   results["long run efficientnet_lite0"]["more"]["memory_mib_by_frame"]]
         self.assertEqual((frames[0], frames[-1]), (0, 40))
-        page.write(stored, self.folder)
-        for name in ("throughput", "memory"):
-            self.assertIn("<svg", (self.folder / f"performance-{name}.svg").read_text())
+        write_pages(stored, self.folder)
+        more = drive["more"]
+        beyond = more["memory_mib"] - more["bare_memory_mib"] - more["map_mib"]
+        row = [more["memory_mib"], more["bare_memory_mib"], more["map_mib"], beyond]
+        memory = self.page("memory")
+        self.assertIn(f"| efficientnet_lite0 fp32 | {' | '.join(f'{n:.3g}' for n in row)} |", memory)
+        self.assertIn("after 40; the most was", memory)
+        self.check_plots("performance-throughput", "memory-long-run")
 
     @unittest.skipUnless(HAS_DAEMON, "the daemon is not built")
     def test_what_runs_beside_a_bench_that_is_killed_ends_with_it(self):
@@ -180,6 +212,21 @@ class Figures(unittest.TestCase):
         self.assertEqual(self.judged(1), "reached")
         self.assertEqual(self.judged(0.8), "missed by 25 %")
         self.assertEqual(self.judged(0.25), "missed 4.0 x")
+
+
+class MemoryPage(unittest.TestCase):
+    def drive(self, name, memory):
+        more = {"candidates": 8, "memory_mib": memory, "bare_memory_mib": 100, "map_mib": 10}
+        return {"name": name, "median": 1, "peers": {}, "more": more}
+
+    def test_memory_is_judged_beside_its_figure_where_there_is_one(self):
+        drives = [self.drive("drive cosplace_224 fp32", 175),
+                  self.drive("drive mugs_vitb16 int8", 480), self.drive("drive other fp32", 150)]
+        text = page_memory.drives_part({"groups": {"drive": {"results": drives}}})
+        self.assertIn("| cosplace_224 fp32 | 175 | 100 | 10 | 65 | memory beyond ONNX Runtime and "
+                      "the map at most 64 | missed by 2 % |", text)
+        self.assertIn("| 370 | memory at most 320 | missed by 50 % |", text)
+        self.assertIn("| other fp32 | 150 | 100 | 10 | 40 |  |  |", text)
 
 
 class Plots(unittest.TestCase):

@@ -1,4 +1,4 @@
-"""docs/memory.md from measurements: written, or compared with what is committed.
+"""docs/memory-core.md from measurements: written, or compared with what is committed.
 
     memory_page.py RAM_PROGRAM [--write]
 
@@ -14,14 +14,15 @@ from pathlib import Path
 
 from machine import MACHINES, ROOT, CallGraph, Machine
 
-PAGE = ROOT / "docs" / "memory.md"
+PAGE = ROOT / "docs" / "memory-core.md"
 EMBEDDED = ["cortex-m4", "cortex-m4f"]
 
 INTRODUCTION = """\
-# Memory
+# Memory of the C99 core
 
 Written by `cmake --build build --target memory_page` from measurements; the test
-`small.memory_page` fails when it is out of date. All figures are bytes.
+`small.memory_page` fails when it is out of date. All figures are bytes. What the daemon takes is in
+[memory.md](memory.md).
 
 """
 

@@ -1,5 +1,5 @@
 """docs/performance.md and its plots, from what was measured."""
-from figures import find, judged, verdict
+from figures import judged, verdict
 from plot import bars, lines
 
 INTRODUCTION = """\
@@ -28,7 +28,8 @@ FIGURES = """\
 ## Figures to reach
 
 Seconds and milliseconds are those of this machine. Where ONNX Runtime alone already takes as long as
-a figure allows, no daemon can reach it here; "Everything measured" has what it takes.
+a figure allows, no daemon can reach it here; "Everything measured" has what it takes. The figures of
+memory are in [memory.md](memory.md).
 
 | what | | figure | reached | |
 | --- | --- | ---: | ---: | --- |
@@ -54,11 +55,10 @@ STAGES = """\
 Medians in milliseconds, as the status message has them ({frames}). `select` is counting in the
 histogram or finding the nearest frame; `rank` takes its place for the frame that completes the
 warmup. Processor time is that of all threads for a frame; it suffers less than the others when the
-machine is shared. Memory is the process's peak, with all pages of the map that it looked at. In
-both, the second number is that of ONNX Runtime alone.
+machine is shared; the second number is that of ONNX Runtime alone.
 
-| drive | {head} | processor ms | | MiB | |
-| --- | {rule} | ---: | ---: | ---: | ---: |
+| drive | {head} | processor ms | |
+| --- | {rule} | ---: | ---: |
 {rows}
 
 """
@@ -69,18 +69,12 @@ GROWTH = """\
 The exponent b of a * size^b, fitted by least squares on logarithms: 1 is in proportion, 0 is not
 at all.
 
-| what | sizes | exponent |
-| --- | --- | ---: |
+| what | sizes | takes | exponent |
+| --- | --- | --- | ---: |
 {rows}
 
 ![Time of ranking by experiences, neurons and bins](performance-growth.svg)
 
-"""
-
-LONG_RUN = """\
-## Memory over a long run
-
-![Memory of the daemon over its frames](performance-memory.svg)
 """
 
 STAGE_NAMES = ("queue", "decode", "resize", "inference", "select", "rank", "publish", "total")
@@ -88,14 +82,12 @@ STAGE_NAMES = ("queue", "decode", "resize", "inference", "select", "rank", "publ
 
 def write(stored, folder):
     """The page, and the plots that the measurements are there for."""
-    if not stored["groups"]:
-        raise SystemExit("nothing was measured yet; run ./dev bench first")
     text = introduction(stored) + figures_part(stored)
     plot = throughput_plot(stored)
     if plot:
         (folder / "performance-throughput.svg").write_text(plot, encoding="utf-8")
         text += "![Throughput beside peers](performance-throughput.svg)\n\n"
-    text += stages_part(stored) + growth_part(stored, folder) + long_run_part(stored, folder)
+    text += stages_part(stored) + growth_part(stored, folder)
     text += all_part(stored)
     (folder / "performance.md").write_text(text.rstrip() + "\n", encoding="utf-8")
 
@@ -107,6 +99,27 @@ def number(value):
     if value != 0 and abs(value) < 1e-3:
         return f"{value:.1e}"
     return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+
+
+def results_of(stored, group):
+    """What a group measured; nothing if it did not run."""
+    return stored["groups"].get(group, {}).get("results", [])
+
+
+def drives_of(stored):
+    """Of the whole drives, one of each network and precision."""
+    return [result for result in results_of(stored, "drive")
+            if result["name"].startswith("drive ")]
+
+
+def growth_rows(results):
+    """Of a table: what, sizes, what they take, exponent."""
+    rows = []
+    for result in results:
+        (least, first), *_, (most, last) = result["more"]["points"]
+        rows.append(f"| {result['name']} | {least:,} to {most:,} | {number(first)} to "
+                    f"{number(last)} {result['unit']} | {result['more']['exponent']:.2f} |")
+    return "\n".join(rows)
 
 
 def introduction(stored):
@@ -126,7 +139,7 @@ def figures_part(stored):
     words = {"<=": "at most", ">=": "at least"}
     rows = [f"| {name} | {what} | {words[sign]} {bound:g} {unit} | {number(value)} "
             f"| {verdict(sign, bound, value, reached)} |"
-            for name, what, sign, bound, value, unit, reached in judged(stored)]
+            for name, what, sign, bound, value, unit, reached in judged(stored) if unit != "MiB"]
     return FIGURES.format(rows="\n".join(rows))
 
 
@@ -146,8 +159,7 @@ def all_part(stored):
 
 
 def stages_part(stored):
-    drives = [result for result in stored["groups"].get("drive", {}).get("results", [])
-              if "memory_mib" in result["more"]]
+    drives = drives_of(stored)
     if not drives:
         return ""
     names = [name for name in STAGE_NAMES
@@ -156,8 +168,7 @@ def stages_part(stored):
     for result in drives:
         more = result["more"]
         cells = [number(more["stages_ms"].get(name)) for name in names]
-        cells += [number(more[key]) for key in ("processor_ms", "bare_processor_ms", "memory_mib",
-                                                "bare_memory_mib")]
+        cells += [number(more[key]) for key in ("processor_ms", "bare_processor_ms")]
         rows.append(f"| {result['name'].removeprefix('drive ')} | {' | '.join(cells)} |")
     first = drives[0]["more"]
     frames = f"JPEG of 640x480, {number(first['bytes'])} bytes, {first['candidates']} candidates"
@@ -168,9 +179,7 @@ def stages_part(stored):
 def throughput_plot(stored):
     """Frames in a second, ours beside peers; None without a drive."""
     groups = []
-    for result in stored["groups"].get("drive", {}).get("results", []):
-        if not result["name"].startswith("drive "):
-            continue
+    for result in drives_of(stored):
         rows = [("vdna_selectord", 100 / result["median"], True)]
         rows += [(peer, 100 / theirs["median"], False) for peer, theirs in result["peers"].items()]
         groups.append((result["name"].removeprefix("drive "), rows))
@@ -181,25 +190,12 @@ def throughput_plot(stored):
 
 
 def growth_part(stored, folder):
-    results = stored["groups"].get("growth", {}).get("results", [])
+    results = results_of(stored, "growth")
     if not results:
         return ""
-    rows = [f"| {result['name']} | {result['more']['points'][0][0]:,} to "
-            f"{result['more']['points'][-1][0]:,} | {result['more']['exponent']:.2f} |"
-            for result in results]
     curves = [(result["name"].rpartition("by ")[2], result["more"]["points"])
               for result in results if result["name"].startswith("time of ranking")]
     (folder / "performance-growth.svg").write_text(
         lines("Time of a ranking as one size grows", "size", "microseconds", curves, True),
         encoding="utf-8")
-    return GROWTH.format(rows="\n".join(rows))
-
-
-def long_run_part(stored, folder):
-    result = find(stored, "drive", "long run efficientnet_lite0")
-    if not result:
-        return ""
-    (folder / "performance-memory.svg").write_text(
-        lines("Memory of vdna_selectord, EfficientNet-Lite0", "frames", "MiB",
-              [("resident", result["more"]["memory_mib_by_frame"])], False), encoding="utf-8")
-    return LONG_RUN + "\n"
+    return GROWTH.format(rows=growth_rows(results))
