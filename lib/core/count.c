@@ -1,142 +1,92 @@
 #include "count.h"
 #include "vectorised.h"
 
-/* The definition to the letter: half-open bins, the last closed. */
-static uint32_t slot_of(const vdna_hist *hist, size_t neuron, float value)
+/* Neighbouring neurons are counted together, so that all but the counting itself vectorises. */
+enum { AT_A_TIME = sizeof(void *) > 4 ? 128 : 8 }; /* a microcontroller's stack is small */
+
+/* The range of the neuron in each lane. */
+typedef struct axes {
+    double mid[AT_A_TIME], half[AT_A_TIME]; /* the middle, and half the width */
+} axes;
+
+/* Put the range of a neuron into a lane. */
+static inline void set_axis(const vdna_hist *hist, size_t neuron, axes *a, size_t lane)
 {
     const double lo = hist->range[2 * neuron], hi = hist->range[2 * neuron + 1];
-    const double mid = (lo + hi) / 2, half = (hi - lo) / 2, bins = hist->bins;
+    a->mid[lane] = (lo + hi) / 2;
+    a->half[lane] = (hi - lo) / 2;
+}
+
+/* The definition to the letter: half-open bins, the last closed. A value beyond the range goes the
+ * way of all others, to the edge bin, and on to its slot: no branch, and no time that depends on
+ * it. */
+static inline uint32_t slot_of(float value, double mid, double half, uint32_t bins)
+{
     const double x = (value - mid) / half;
-    if (x < -1)
-        return hist->bins + SLOT_BELOW;
-    if (x > 1)
-        return hist->bins + SLOT_ABOVE;
-    /* x + 1 is not negative, so the conversion is the floor. */
-    const uint32_t bin = (uint32_t)((x + 1) * bins / 2);
-    return bin < hist->bins ? bin : hist->bins - 1;
+    const double place = (x + 1) * bins / 2, last = bins - 1;
+    const double not_above = place < last ? place : last;
+    const double within = not_above > 0 ? not_above : 0;
+    const double to_below = bins + SLOT_BELOW, to_above = 1 + SLOT_ABOVE;
+    const double on = x > 1 ? to_above : x < -1 ? to_below : 0;
+    /* The conversion is the floor, because nothing is negative; vectors of x86-64 have it to
+     * int32_t only. */
+    return (uint32_t)(int32_t)(within + on);
 }
 
 /* The bin of a slot: samples beyond the range land in an edge bin. */
-static uint32_t bin_of(const vdna_hist *hist, uint32_t slot)
+static inline uint32_t bin_of(uint32_t slot, uint32_t bins)
 {
-    if (slot < hist->bins)
-        return slot;
-    return slot == hist->bins + SLOT_BELOW ? 0 : hist->bins - 1;
+    const uint32_t or_last = slot < bins ? slot : bins - 1;
+    return slot == bins + SLOT_BELOW ? 0 : or_last;
 }
 
-/* Slots are estimated in single precision, several values at a time, which vectorises. Where that
- * does not make the bin certain, because an edge is near or the value beyond the range, the slot is
- * UNSURE and the definition decides. */
-#define UNSURE UINT32_MAX
-enum { AT_A_TIME = sizeof(void *) > 4 ? 128 : 32 }; /* a microcontroller's stack is small */
-
-/* The line from a value to its place among the bins, for the neuron of each lane. */
-typedef struct lines {
-    float lo[AT_A_TIME], scale[AT_A_TIME];
-} lines;
-
-/* Put the line of one neuron into a lane. Where the width or the scale leaves the floats, the
- * scale is infinite or 0, with which no place is sure. */
-static inline void draw_line(const vdna_hist *hist, size_t neuron, lines *l, size_t lane)
-{
-    const float lo = hist->range[2 * neuron], hi = hist->range[2 * neuron + 1];
-    l->lo[lane] = lo;
-    l->scale[lane] = (float)hist->bins / (hi - lo);
-}
-
-static inline void estimate_slots(const lines *l, uint32_t bins, const float *values, size_t count,
-                                  uint32_t *out_slots)
-{
-    /* Difference, width, scale and product each round by at most 2^-24 of at most `bins`, a
-     * subnormal scale by twice that; eight roundings are allowed for. Those of the definition, in
-     * double, are far smaller. */
-    const float sure = 0.5f - (float)bins / 2097152;
-    /* Below 0 and from `bins` on nothing is sure; this only keeps the conversion defined. */
-    const float least = -1, most = (float)bins;
-    for (size_t i = 0; i < count; i++) {
-        float place = (values[i] - l->lo[i]) * l->scale[i];
-        place = place > least ? place : least; /* first, because it also ends a NaN */
-        place = place < most ? place : most;
-        const int32_t bin = (int32_t)place;
-        const float from_middle = place - (float)bin - 0.5f;
-        const int is_sure = (from_middle <= sure) & (from_middle >= -sure);
-        out_slots[i] = is_sure ? (uint32_t)bin : UNSURE;
-    }
-}
-
-/* Count values whose neurons are `step` (0 or 1) apart, and make the unsure slots sure. */
-static inline void count_values(vdna_hist *hist, size_t neuron, size_t step, const float *values,
-                                size_t count, uint32_t *slots)
+/* Count a row: a sample of each of `count` neighbouring neurons. */
+static inline void count_row(vdna_hist *hist, const axes *a, size_t neuron, const float *values,
+                             size_t count, uint16_t *out_slots)
 {
     /* Copies, because the compiler cannot know that counting changes none of them. */
-    uint32_t *const counts = hist->counts;
+    uint32_t *const counts = hist->counts + neuron, *const saturated = hist->saturated + neuron;
     const size_t neurons = hist->neurons;
-    for (size_t i = 0; i < count; i++, neuron += step) {
-        uint32_t bin = slots[i];
-        if (bin == UNSURE) {
-            slots[i] = slot_of(hist, neuron, values[i]);
-            hist->saturated[neuron] += slots[i] >= hist->bins;
-            bin = bin_of(hist, slots[i]);
-        }
-        counts[bin * neurons + neuron]++;
+    const uint32_t bins = hist->bins;
+    uint32_t slots[AT_A_TIME], bin[AT_A_TIME];
+    for (size_t i = 0; i < count; i++)
+        slots[i] = slot_of(values[i], a->mid[i], a->half[i], bins);
+    for (size_t i = 0; i < count; i++) {
+        bin[i] = bin_of(slots[i], bins);
+        saturated[i] += slots[i] >= bins;
     }
-}
-
-/* Count one run of neighbours in memory. */
-static inline void count_run(vdna_hist *hist, const lines *l, size_t neuron, size_t step,
-                             const float *values, size_t count, uint16_t *out_slots)
-{
-    uint32_t slots[AT_A_TIME];
-    estimate_slots(l, hist->bins, values, count, slots);
-    count_values(hist, neuron, step, values, count, slots);
+    for (size_t i = 0; i < count; i++)
+        counts[bin[i] * neurons + i]++;
     if (out_slots)
         for (size_t i = 0; i < count; i++)
             out_slots[i] = (uint16_t)slots[i];
 }
 
-/* Tokens: neighbours in memory are neighbouring neurons. */
-VDNA_VECTORISED static void count_tokens(vdna_hist *hist, size_t first, const vdna_activations *tap,
-                                         uint16_t *out_slots)
+/* Count one tap, whose first neuron is `first`. */
+VDNA_VECTORISED static void count_tap(vdna_hist *hist, size_t first, const vdna_activations *tap,
+                                      uint16_t *out_slots)
 {
-    const size_t neurons = tap->neurons;
-    lines l;
+    const size_t neurons = tap->neurons, samples = tap->samples;
+    const int tokens = tap->layout == VDNA_LAYOUT_SAMPLES_NEURONS;
+    const size_t neuron_step = tokens ? 1 : samples, sample_step = tokens ? neurons : 1;
+    axes a;
+    float row[AT_A_TIME];
     for (size_t n = 0; n < neurons; n += AT_A_TIME) {
         const size_t count = neurons - n < AT_A_TIME ? neurons - n : AT_A_TIME;
         for (size_t i = 0; i < count; i++)
-            draw_line(hist, first + n + i, &l, i);
-        for (size_t i = n; i < neurons * tap->samples; i += neurons) {
-            count_run(hist, &l, first + n, 1, tap->values + i, count,
-                      out_slots ? out_slots + i : NULL);
+            set_axis(hist, first + n + i, &a, i);
+        for (size_t s = 0; s < samples; s++) {
+            const float *values = tap->values + n * neuron_step + s * sample_step;
+            if (neuron_step != 1) {
+                for (size_t i = 0; i < count; i++)
+                    row[i] = values[i * neuron_step];
+                values = row;
+            }
+            count_row(hist, &a, first + n, values, count,
+                      out_slots ? out_slots + s * neurons + n : NULL);
         }
     }
-}
-
-/* A feature map: neighbours in memory are samples of one neuron. */
-VDNA_VECTORISED static void count_map(vdna_hist *hist, size_t first, const vdna_activations *tap,
-                                      uint16_t *out_slots)
-{
-    const size_t samples = tap->samples;
-    lines l;
-    for (size_t n = 0; n < tap->neurons; n++) {
-        for (size_t i = 0; i < AT_A_TIME; i++)
-            draw_line(hist, first + n, &l, i);
-        for (size_t i = n * samples; i < (n + 1) * samples; i += AT_A_TIME) {
-            const size_t left = (n + 1) * samples - i, count = left < AT_A_TIME ? left : AT_A_TIME;
-            count_run(hist, &l, first + n, 0, tap->values + i, count,
-                      out_slots ? out_slots + i : NULL);
-        }
-    }
-}
-
-/* Count one tap, whose first neuron is `first`. One sample of each neuron is either layout. */
-static void count_tap(vdna_hist *hist, size_t first, const vdna_activations *tap,
-                      uint16_t *out_slots)
-{
-    if (tap->layout == VDNA_LAYOUT_SAMPLES_NEURONS || tap->samples == 1)
-        count_tokens(hist, first, tap, out_slots);
-    else
-        count_map(hist, first, tap, out_slots);
-    for (size_t n = 0; n < tap->neurons; n++)
+    for (size_t n = 0; n < neurons; n++)
         hist->mass[first + n] += tap->samples;
 }
 
@@ -157,16 +107,15 @@ void vdna_count_frame(vdna_hist *hist, const vdna_activations *taps, size_t tap_
 static void uncount_tap(vdna_hist *hist, size_t first, const vdna_activations *tap,
                         const uint16_t *slots)
 {
-    const int tokens = tap->layout == VDNA_LAYOUT_SAMPLES_NEURONS;
-    const size_t neuron_step = tokens ? 1 : tap->samples, sample_step = tokens ? tap->neurons : 1;
-    for (size_t n = 0; n < tap->neurons; n++) {
-        for (size_t s = 0; s < tap->samples; s++) {
-            const uint32_t slot = slots[n * neuron_step + s * sample_step];
-            hist->counts[(size_t)bin_of(hist, slot) * hist->neurons + first + n]--;
-            hist->saturated[first + n] -= slot >= hist->bins;
+    for (size_t s = 0; s < tap->samples; s++) {
+        for (size_t n = first; n < first + tap->neurons; n++) {
+            const uint32_t slot = *slots++;
+            hist->counts[(size_t)bin_of(slot, hist->bins) * hist->neurons + n]--;
+            hist->saturated[n] -= slot >= hist->bins;
         }
-        hist->mass[first + n] -= tap->samples;
     }
+    for (size_t n = first; n < first + tap->neurons; n++)
+        hist->mass[n] -= tap->samples;
 }
 
 /* see count.h */

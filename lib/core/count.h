@@ -11,13 +11,13 @@
 enum { SLOT_BELOW = 0, SLOT_ABOVE = 1 };
 
 /* Count a frame that was checked and fits.
- * @param out_slots  NULL, or [neurons x samples of all taps], in the order of the values; then
+ * @param out_slots  NULL, or [neurons x samples of all taps], in an order of their own; then
  *                   bins + SLOT_ABOVE must fit */
 void vdna_count_frame(vdna_hist *hist, const vdna_activations *taps, size_t tap_count,
                       uint16_t *out_slots);
 
 /* Take out a frame that vdna_count_frame() counted.
- * @param taps   shape and layout of that frame; its values are not looked at
+ * @param taps   shape of that frame; its values are not looked at
  * @param slots  what vdna_count_frame() wrote */
 void vdna_uncount_frame(vdna_hist *hist, const vdna_activations *taps, size_t tap_count,
                         const uint16_t *slots);

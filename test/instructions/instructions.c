@@ -8,7 +8,7 @@
 #include <vdna/knn.h>
 #include <vdna/rank.h>
 
-#define NEURONS 256u
+#define NEURONS 250u
 #define SAMPLES 64u // of each neuron in a frame
 #define BINS 1000u
 #define CANDIDATES 16u

@@ -112,8 +112,8 @@ static void assert_counted_as_defined(const float *values, uint32_t samples, uin
     assert_int_equal(hist.saturated[0], beyond);
 }
 
-/* Counting estimates in single precision and asks the definition near the edges: two floats to
- * either side of each edge, where an estimate may be wrong, and the middles, where it may not. */
+/* The middle of each bin and two floats to either side of each edge, where any other arithmetic
+ * than the definition's would show. */
 static void values_around_every_edge_are_counted_as_defined(void **state)
 {
     (void)state;
@@ -154,7 +154,7 @@ static void values_around_every_edge_are_counted_as_defined(void **state)
         }
 }
 
-/* More neurons than are estimated at a time, and a number that is no multiple of that. */
+/* More neurons than are counted together, and a number that is no multiple of that. */
 static void wide_taps_are_counted_neuron_by_neuron(void **state)
 {
     (void)state;

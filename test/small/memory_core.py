@@ -1,6 +1,6 @@
 """docs/memory-core.md from measurements: written, or compared with what is committed.
 
-    memory_page.py RAM_PROGRAM [--write]
+    memory_core.py RAM_PROGRAM [--write]
 
 Exit code 77 = the RAM is as committed, and the rest cannot be compared: no such compilers here.
 """
@@ -20,8 +20,8 @@ EMBEDDED = ["cortex-m4", "cortex-m4f"]
 INTRODUCTION = """\
 # Memory of the C99 core
 
-Written by `cmake --build build --target memory_page` from measurements; the test
-`small.memory_page` fails when it is out of date. All figures are bytes. What the daemon takes is in
+Written by `cmake --build build --target memory_core` from measurements; the test
+`small.memory_core` fails when it is out of date. All figures are bytes. What the daemon takes is in
 [memory.md](memory.md).
 
 """
@@ -117,7 +117,7 @@ def compare(found, committed, title):
             committed.splitlines(True), found.splitlines(True), f"{title}, committed", "measured"
         )
     )
-    sys.exit(f"{PAGE} is out of date; run: cmake --build build --target memory_page")
+    sys.exit(f"{PAGE} is out of date; run: cmake --build build --target memory_core")
 
 
 def main():
