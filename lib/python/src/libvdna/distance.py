@@ -37,7 +37,7 @@ def emd(p: HistogramView, q: HistogramView) -> NDArray[np.float64]:
 
     returns: float64 [neurons], 0 to bins - 1; moving every sample by k bins gives k
     VdnaError: MISMATCH if shapes or ranges differ, EMPTY if a neuron has no samples, OVERFLOW if
-               mass_p * mass_q * (bins - 1) passes 2**63 - 1
+               lcm(mass_p, mass_q) * (bins - 1) passes 2**63 - 1
     """
     view = view_of(p)
     scratch = _scratch_for(view)
