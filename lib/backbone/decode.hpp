@@ -12,6 +12,7 @@ namespace vdna
 
 // 8-bit pixels of 1, 3 or 4 channels.
 struct Picture {
+    static constexpr size_t most_channels = 4;
     cv::Mat pixels;
     std::array<int, 3> rgb; // which channel is red, green, blue; all 0 for a grey picture
 };

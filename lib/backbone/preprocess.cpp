@@ -36,7 +36,7 @@ Preprocessor::Preprocessor(const Input &input)
       order_(input.bgr ? std::array<size_t, 3>{2, 1, 0} : std::array<size_t, 3>{0, 1, 2}),
       tables_(), area_(size_)
 {
-    row_.reserve(size_t{input.width} * 4); // channels at most
+    row_.reserve(size_t{input.width} * Picture::most_channels);
     for (size_t c = 0; c < tables_.size(); c++)
         for (size_t level = 0; level < tables_[c].size(); level++)
             tables_[c][level] =

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include <vdna/image.h>
+#include "decode.hpp"
 
 namespace vdna
 {
@@ -12,8 +12,8 @@ namespace vdna
 namespace
 {
 
-constexpr size_t lanes = 4;        // sums of a pixel's channels, and most channels that one has
-constexpr int precision_bits = 22; // of Pillow's weights
+constexpr size_t lanes = Picture::most_channels; // sums of a pixel's channels
+constexpr int precision_bits = 22;               // of Pillow's weights
 constexpr double bicubic_support = 2.0;
 
 // Keys' cubic convolution with a = -0.5.

@@ -36,7 +36,7 @@ class AreaResampler
     // From now on pictures are of size `from`, no side shorter than that of `to`.
     void prepare(cv::Size from);
 
-    // One row of the output, rounded. picture: 8 bits, up to four channels.
+    // One row of the output, rounded. picture: the pixels of a Picture.
     void row(const cv::Mat &picture, int y, uint8_t *out);
 
   private:
