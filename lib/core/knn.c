@@ -1,52 +1,30 @@
-#include <float.h>
 #include <math.h>
 #include <vdna/knn.h>
 
 #include "vectorised.h"
 
-/* Independent partial sums, always added up in the same order: the loops vectorise without
- * permission to reorder, and give the same bits whether they were vectorised or not. */
-enum { LANES = 8, FLOAT_LANES = 16 };
-
-/* Rows that are estimated at a time; a microcontroller's stack is small. */
+/* Rows whose distances are summed together; a microcontroller's stack is small. */
 enum { BLOCK = sizeof(void *) > 4 ? 32 : 8 };
 
-/* The definition: differences, squares and sums in double. */
-VDNA_VECTORISED static double distance_sq(const float *a, const float *b, size_t dim)
-{
-    double lane[LANES] = {0};
-    size_t i = 0;
-    for (; i + LANES <= dim; i += LANES)
-        for (size_t l = 0; l < LANES; l++) {
-            const double d = (double)a[i + l] - b[i + l];
-            lane[l] += d * d;
-        }
+/* Independent partial sums, always added up in the same order: the loops vectorise without
+ * permission to reorder, and give the same bits whether they were vectorised or not. */
+enum { LANES = 16 };
 
-    double sum = 0;
-    for (; i < dim; i++) {
-        const double d = (double)a[i] - b[i];
-        sum += d * d;
-    }
-    for (size_t l = 0; l < LANES; l++)
-        sum += lane[l];
-    return sum;
-}
-
-/* The same in single precision, of neighbouring rows: an estimate, from half the work. Lanes are
- * added up when all rows have theirs, which vectorises over the rows. */
-VDNA_VECTORISED static void estimate_sq(const float *query, const float *map, size_t rows,
-                                        size_t dim, float *out_sq)
+/* Squared distances of neighbouring rows. Lanes are added up when all rows have theirs, which
+ * vectorises over the rows. */
+VDNA_VECTORISED static void distances_sq(const float *query, const float *map, size_t rows,
+                                         size_t dim, float *out_sq)
 {
-    float sums[BLOCK][FLOAT_LANES];
+    float sums[BLOCK][LANES];
     for (size_t row = 0; row < rows; row++, map += dim) {
-        float lane[FLOAT_LANES] = {0};
+        float lane[LANES] = {0};
         size_t i = 0;
-        for (; i + FLOAT_LANES <= dim; i += FLOAT_LANES)
-            for (size_t l = 0; l < FLOAT_LANES; l++) {
+        for (; i + LANES <= dim; i += LANES)
+            for (size_t l = 0; l < LANES; l++) {
                 const float d = query[i + l] - map[i + l];
                 lane[l] += d * d;
             }
-        for (size_t l = 0; l < FLOAT_LANES; l++)
+        for (size_t l = 0; l < LANES; l++)
             sums[row][l] = lane[l];
         for (size_t l = 0; i + l < dim; l++) {
             const float d = query[i + l] - map[i + l];
@@ -55,26 +33,10 @@ VDNA_VECTORISED static void estimate_sq(const float *query, const float *map, si
     }
     for (size_t row = 0; row < rows; row++) {
         float sum = 0;
-        for (size_t l = 0; l < FLOAT_LANES; l++)
+        for (size_t l = 0; l < LANES; l++)
             sum += sums[row][l];
         out_sq[row] = sum;
     }
-}
-
-/* The share of an estimate that its exact distance cannot be below. A term, none is negative, is
- * rounded by at most 2^-24 three times when it is made, and once whenever it is added: in its lane,
- * then in the sum of the lanes. */
-static double sure_share(uint32_t dim)
-{
-    const double roundings = 3 + dim / FLOAT_LANES + 1 + FLOAT_LANES;
-    return 1 - roundings / 16777216;
-}
-
-/* Is a row surely further away than `worst_sq`? Never where an estimate has left the floats, or
- * where what was lost below the smallest of them could matter. */
-static int is_surely_further(float estimated_sq, double share, double worst_sq)
-{
-    return estimated_sq > 1e-20f && estimated_sq <= FLT_MAX && estimated_sq * share > worst_sq;
 }
 
 /* Keep `matches` sorted; a later row goes behind an earlier one of equal distance.
@@ -97,16 +59,12 @@ vdna_status vdna_knn(const float *query, uint32_t dim, const float *map, uint32_
 {
     if (!query || dim == 0 || !map || rows == 0 || k == 0 || !out_matches)
         return VDNA_ERR_ARG;
-    const double share = sure_share(dim);
-    float estimates[BLOCK];
+    float sq[BLOCK];
     uint32_t count = 0;
     for (uint32_t row = 0; row < rows; row++, map += dim) {
         if (row % BLOCK == 0)
-            estimate_sq(query, map, rows - row < BLOCK ? rows - row : BLOCK, dim, estimates);
-        if (count == k &&
-            is_surely_further(estimates[row % BLOCK], share, out_matches[k - 1].distance_sq))
-            continue;
-        const vdna_knn_match match = {distance_sq(query, map, dim), row, 0};
+            distances_sq(query, map, rows - row < BLOCK ? rows - row : BLOCK, dim, sq);
+        const vdna_knn_match match = {sq[row % BLOCK], row, 0};
         if (!isfinite(match.distance_sq))
             return VDNA_ERR_NONFINITE;
         count = insert(out_matches, count, k, match);

@@ -55,10 +55,10 @@ static void every_dimension_counts_whatever_their_number(void **state)
     }
 }
 
-/* Rows at integer distances so alike that single precision cannot tell them apart. */
+/* Rows at distances of which many are equal and all are whole numbers that floats have. */
 enum { ROWS = 300, DIM = 67 };
 static int32_t steps[ROWS][DIM];
-static uint64_t squares[ROWS];
+static uint32_t squares[ROWS];
 
 static void make_rows_alike(void)
 {
@@ -67,13 +67,13 @@ static void make_rows_alike(void)
         squares[row] = 0;
         for (uint32_t i = 0; i < DIM; i++) {
             random = random * 1664525u + 1013904223u;
-            const int32_t size = 4095 - (int32_t)((i + row) % DIM) * 17;
+            const int32_t size = 400 - (int32_t)((i + row) % DIM) * 5;
             steps[row][i] = random >> 31 ? size : -size;
         }
         /* All rows are one row turned round, but for a small number. */
         steps[row][(DIM - row % DIM) % DIM] = (int32_t)(random >> 8 & 7);
         for (uint32_t i = 0; i < DIM; i++)
-            squares[row] += (uint64_t)((int64_t)steps[row][i] * steps[row][i]);
+            squares[row] += (uint32_t)(steps[row][i] * steps[row][i]);
     }
 }
 
@@ -86,13 +86,13 @@ static uint32_t rank_of(uint32_t row)
     return rank;
 }
 
-static void rows_that_single_precision_cannot_tell_apart_come_in_exact_order(void **state)
+static void rows_nearly_alike_come_in_exact_order(void **state)
 {
     (void)state;
     static float map[ROWS][DIM];
     const float query[DIM] = {0};
-    /* Squares in single precision: vanish, nearly vanish, are ordinary, overflow. */
-    const int exponents[] = {-90, -89, -88, -87, -86, -85, -84, -83, -70, 0, 40, 60};
+    /* From the smallest squares that floats have to the largest. */
+    const int exponents[] = {-74, -63, -10, 0, 40, 51};
     make_rows_alike();
     for (size_t e = 0; e < sizeof exponents / sizeof *exponents; e++) {
         const double unit = ldexp(1, exponents[e]);
@@ -110,6 +110,29 @@ static void rows_that_single_precision_cannot_tell_apart_come_in_exact_order(voi
     }
 }
 
+static void a_square_is_as_near_to_the_exact_one_as_promised(void **state)
+{
+    (void)state;
+    enum { MOST = 3000 };
+    static float map[MOST], query[MOST];
+    uint32_t random = 1;
+    for (uint32_t dim = 1; dim <= MOST; dim = dim * 5 / 4 + 1) {
+        const double bound = (dim / 16.0 + 21) / 16777216;
+        double exact = 0;
+        for (uint32_t i = 0; i < dim; i++) {
+            random = random * 1664525u + 1013904223u;
+            map[i] = (float)random / 4294967296.0f;
+            random = random * 1664525u + 1013904223u;
+            query[i] = (float)random / 4294967296.0f;
+            const double d = (double)query[i] - map[i];
+            exact += d * d;
+        }
+        vdna_knn_match match;
+        assert_int_equal(vdna_knn(query, dim, map, 1, 1, &match), VDNA_OK);
+        assert_true(fabs(match.distance_sq - exact) <= bound * exact);
+    }
+}
+
 static void a_distance_that_is_not_finite_is_refused(void **state)
 {
     (void)state;
@@ -117,6 +140,8 @@ static void a_distance_that_is_not_finite_is_refused(void **state)
     vdna_knn_match match;
     assert_int_equal(vdna_knn(bad, 1, good, 1, 1, &match), VDNA_ERR_NONFINITE);
     assert_int_equal(vdna_knn(good, 1, bad, 1, 1, &match), VDNA_ERR_NONFINITE);
+    const float too_far[] = {1.9e19f};
+    assert_int_equal(vdna_knn(good, 1, too_far, 1, 1, &match), VDNA_ERR_NONFINITE);
     const float bad_behind_a_match[] = {0, INFINITY};
     assert_int_equal(vdna_knn(good, 1, bad_behind_a_match, 2, 1, &match), VDNA_ERR_NONFINITE);
 }
@@ -141,7 +166,8 @@ int main(void)
         cmocka_unit_test(equal_distances_go_by_the_lower_index),
         cmocka_unit_test(asking_for_more_rows_than_there_are_gives_them_all),
         cmocka_unit_test(every_dimension_counts_whatever_their_number),
-        cmocka_unit_test(rows_that_single_precision_cannot_tell_apart_come_in_exact_order),
+        cmocka_unit_test(rows_nearly_alike_come_in_exact_order),
+        cmocka_unit_test(a_square_is_as_near_to_the_exact_one_as_promised),
         cmocka_unit_test(a_distance_that_is_not_finite_is_refused),
         cmocka_unit_test(bad_arguments_are_refused),
     };

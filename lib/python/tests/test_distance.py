@@ -71,7 +71,7 @@ def test_neighbours_are_those_of_an_exhaustive_search(random):
     distances = ((rows.astype(np.float64) - query) ** 2).sum(axis=1)
     found = nearest(query, rows, 5)
     assert found.rows.tolist() == np.argsort(distances)[:5].tolist()
-    np.testing.assert_allclose(found.distance_sq, np.sort(distances)[:5], rtol=1e-14)
+    np.testing.assert_allclose(found.distance_sq, np.sort(distances)[:5], rtol=1e-6)
 
 
 def test_there_are_no_more_neighbours_than_rows():

@@ -1,4 +1,4 @@
-"""Exact nearest neighbours of an embedding: localisation within one experience."""
+"""Nearest neighbours of an embedding among all of a map: localisation within one experience."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Neighbours(NamedTuple):
     rows: NDArray[np.uint32]
     """[min(k, rows)]: indices of rows of the map."""
     distance_sq: NDArray[np.float64]
-    """[min(k, rows)]: squared Euclidean distances, summed in double precision."""
+    """[min(k, rows)]: squared Euclidean distances, summed in single precision (vdna/knn.h has the error)."""
 
 
 def nearest(query: ArrayLike, map: ArrayLike, k: SupportsIndex = 1) -> Neighbours:
