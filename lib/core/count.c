@@ -17,27 +17,21 @@ static inline void set_axis(const vdna_hist *hist, size_t neuron, axes *a, size_
     a->half[lane] = (hi - lo) / 2;
 }
 
-/* The definition to the letter: half-open bins, the last closed. A value beyond the range goes the
- * way of all others, to the edge bin, and on to its slot: no branch, and no time that depends on
- * it. */
-static inline uint32_t slot_of(float value, double mid, double half, uint32_t bins)
+/* The definition to the letter: half-open bins, the last closed; what is beyond the range lands in
+ * an edge bin. All values go the same way, so the time does not depend on them.
+ * @param x  place of the sample: -1 and 1 are the ends of the range */
+static inline uint32_t bin_of(double x, uint32_t bins)
 {
-    const double x = (value - mid) / half;
-    const double place = (x + 1) * bins / 2, last = bins - 1;
+    const double place = (x + 1) * (bins / 2.0), last = bins - 1;
     const double not_above = place < last ? place : last;
     const double within = not_above > 0 ? not_above : 0;
-    const double to_below = bins + SLOT_BELOW, to_above = 1 + SLOT_ABOVE;
-    const double on = x > 1 ? to_above : x < -1 ? to_below : 0;
-    /* The conversion is the floor, because nothing is negative; vectors of x86-64 have it to
-     * int32_t only. */
-    return (uint32_t)(int32_t)(within + on);
+    return (uint32_t)(int32_t)within; /* the floor; vectors of x86-64 convert to int32_t only */
 }
 
-/* The bin of a slot: samples beyond the range land in an edge bin. */
-static inline uint32_t bin_of(uint32_t slot, uint32_t bins)
+static inline uint16_t slot_of(uint32_t bin, uint32_t is_beyond, uint32_t bins)
 {
-    const uint32_t or_last = slot < bins ? slot : bins - 1;
-    return slot == bins + SLOT_BELOW ? 0 : or_last;
+    const uint32_t beyond = bins + (bin == 0 ? SLOT_BELOW : SLOT_ABOVE);
+    return (uint16_t)(is_beyond ? beyond : bin);
 }
 
 /* Count a row: a sample of each of `count` neighbouring neurons. */
@@ -48,18 +42,19 @@ static inline void count_row(vdna_hist *hist, const axes *a, size_t neuron, cons
     uint32_t *const counts = hist->counts + neuron, *const saturated = hist->saturated + neuron;
     const size_t neurons = hist->neurons;
     const uint32_t bins = hist->bins;
-    uint32_t slots[AT_A_TIME], bin[AT_A_TIME];
-    for (size_t i = 0; i < count; i++)
-        slots[i] = slot_of(values[i], a->mid[i], a->half[i], bins);
+    uint32_t bin[AT_A_TIME], is_beyond[AT_A_TIME];
     for (size_t i = 0; i < count; i++) {
-        bin[i] = bin_of(slots[i], bins);
-        saturated[i] += slots[i] >= bins;
+        const double x = (values[i] - a->mid[i]) / a->half[i];
+        bin[i] = bin_of(x, bins);
+        is_beyond[i] = (uint32_t)(x < -1) | (uint32_t)(x > 1);
     }
+    for (size_t i = 0; i < count; i++)
+        saturated[i] += is_beyond[i];
     for (size_t i = 0; i < count; i++)
         counts[bin[i] * neurons + i]++;
     if (out_slots)
         for (size_t i = 0; i < count; i++)
-            out_slots[i] = (uint16_t)slots[i];
+            out_slots[i] = slot_of(bin[i], is_beyond[i], bins);
 }
 
 /* Count one tap, whose first neuron is `first`. */
@@ -104,16 +99,21 @@ void vdna_count_frame(vdna_hist *hist, const vdna_activations *taps, size_t tap_
     hist->frames++;
 }
 
+/* Undo slot_of() and the counting of it. */
+static void uncount_sample(vdna_hist *hist, size_t neuron, uint32_t slot)
+{
+    const uint32_t is_beyond = slot >= hist->bins;
+    const uint32_t edge = slot == hist->bins + SLOT_BELOW ? 0 : hist->bins - 1;
+    hist->counts[(size_t)(is_beyond ? edge : slot) * hist->neurons + neuron]--;
+    hist->saturated[neuron] -= is_beyond;
+}
+
 static void uncount_tap(vdna_hist *hist, size_t first, const vdna_activations *tap,
                         const uint16_t *slots)
 {
-    for (size_t s = 0; s < tap->samples; s++) {
-        for (size_t n = first; n < first + tap->neurons; n++) {
-            const uint32_t slot = *slots++;
-            hist->counts[(size_t)bin_of(slot, hist->bins) * hist->neurons + n]--;
-            hist->saturated[n] -= slot >= hist->bins;
-        }
-    }
+    for (size_t s = 0; s < tap->samples; s++)
+        for (size_t n = first; n < first + tap->neurons; n++)
+            uncount_sample(hist, n, *slots++);
     for (size_t n = first; n < first + tap->neurons; n++)
         hist->mass[n] -= tap->samples;
 }
