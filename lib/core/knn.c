@@ -42,14 +42,17 @@ VDNA_VECTORISED static void distances_sq(const float *query, const float *map, s
 /* Keep `matches` sorted; a later row goes behind an earlier one of equal distance.
  * @return how many there are now, at most `capacity` */
 static uint32_t insert(vdna_knn_match *matches, uint32_t count, uint32_t capacity,
-                       vdna_knn_match match)
+                       double distance_sq, uint32_t row)
 {
-    if (count == capacity && match.distance_sq >= matches[count - 1].distance_sq)
+    if (count == capacity && distance_sq >= matches[count - 1].distance_sq)
         return count;
-    uint32_t place = count < capacity ? count++ : count - 1;
-    for (; place > 0 && match.distance_sq < matches[place - 1].distance_sq; place--)
+    if (count < capacity)
+        matches[count++].reserved = 0;
+    uint32_t place = count - 1;
+    for (; place > 0 && distance_sq < matches[place - 1].distance_sq; place--)
         matches[place] = matches[place - 1];
-    matches[place] = match;
+    matches[place].distance_sq = distance_sq;
+    matches[place].index = row;
     return count;
 }
 
@@ -64,10 +67,9 @@ vdna_status vdna_knn(const float *query, uint32_t dim, const float *map, uint32_
     for (uint32_t row = 0; row < rows; row++, map += dim) {
         if (row % BLOCK == 0)
             distances_sq(query, map, rows - row < BLOCK ? rows - row : BLOCK, dim, sq);
-        const vdna_knn_match match = {sq[row % BLOCK], row, 0};
-        if (!isfinite(match.distance_sq))
+        if (!isfinite(sq[row % BLOCK]))
             return VDNA_ERR_NONFINITE;
-        count = insert(out_matches, count, k, match);
+        count = insert(out_matches, count, k, sq[row % BLOCK], row);
     }
     return VDNA_OK;
 }

@@ -13,7 +13,7 @@
 #define BINS 1000u
 #define CANDIDATES 16u
 #define ROWS 1150u
-#define DIM 768u
+#define DIM 128u
 
 // The C library chooses among several of these by the processor; the counts must not.
 void *memset(void *block, int byte, size_t size)
