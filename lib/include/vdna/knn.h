@@ -5,8 +5,8 @@
  *  Definition: the paper localises a frame at the nearest embedding by Euclidean distance. Its
  *  square has the same order and needs no root. It is summed in single precision, as embeddings
  *  come, from the squared differences and always in the same order: the same bits on every
- *  machine, in a time that does not depend on the data, and within (dim / 16 + 21) * 2^-24 of the
- *  exact square.
+ *  machine, and within (dim / 16 + 21) * 2^-24 of the exact square. The time of that does not
+ *  depend on the data; what does is putting a row in its place among the k nearest so far.
  */
 #ifndef VDNA_KNN_H
 #define VDNA_KNN_H

@@ -17,7 +17,8 @@ class Neighbours(NamedTuple):
     rows: NDArray[np.uint32]
     """[min(k, rows)]: indices of rows of the map."""
     distance_sq: NDArray[np.float64]
-    """[min(k, rows)]: squared Euclidean distances, summed in single precision (vdna/knn.h has the error)."""
+    """[min(k, rows)]: squared Euclidean distances, summed in single precision; vdna/knn.h has the
+    error."""
 
 
 def nearest(query: ArrayLike, map: ArrayLike, k: SupportsIndex = 1) -> Neighbours:
