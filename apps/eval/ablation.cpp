@@ -1,8 +1,8 @@
-#include "ablation.hpp"
+#include "eval/ablation.hpp"
 
 #include <algorithm>
 
-namespace vdna
+namespace vdna::eval
 {
 
 namespace
@@ -123,4 +123,4 @@ Ablation ablate(Frames &frames, const EvaluationSettings &settings, const Ablati
     return {plan.kind, rows(frames, settings, plan)};
 }
 
-} // namespace vdna
+} // namespace vdna::eval

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "evaluate.hpp"
+#include "eval/evaluate.hpp"
 
-namespace vdna
+namespace vdna::eval
 {
 
 // The methods under one changed value; of MethodResult only name and metrics are filled.
@@ -33,4 +33,4 @@ struct AblationPlan {
 // settings: what stays. Throws Error.
 Ablation ablate(Frames &frames, const EvaluationSettings &settings, const AblationPlan &plan);
 
-} // namespace vdna
+} // namespace vdna::eval

@@ -1,14 +1,16 @@
-#include "binning.hpp"
+#include "eval/binning.hpp"
 
 #include <algorithm>
 #include <numeric>
 
-#include "check.hpp"
-#include "histogram.hpp"
-#include "interrupt/interrupt.hpp"
-#include "packing.hpp"
+#include <vdna/cpp/error.hpp>
+#include <vdna/cpp/histogram.hpp>
 
-namespace vdna
+#include "eval/packing.hpp"
+#include "program/exit_code.hpp"
+#include "program/interrupt.hpp"
+
+namespace vdna::eval
 {
 
 namespace
@@ -22,9 +24,8 @@ void require_known(const std::vector<std::string> &names, const std::vector<Tap>
         list += " " + tap.name;
     for (const std::string &name : names)
         if (std::none_of(known.begin(), known.end(), [&](const Tap &t) { return t.name == name; }))
-            throw Error("--taps: backbone " + std::string(backbone) + " has no tap '" + name +
-                            "', expected some of:" + list,
-                        exit_usage);
+            throw program::UsageError("--taps: backbone " + std::string(backbone) +
+                                      " has no tap '" + name + "', expected some of:" + list);
 }
 
 } // namespace
@@ -97,12 +98,12 @@ std::vector<float> Binning::observe(size_t traversal)
 {
     const Traversal &t = frames_.traversals()[traversal];
     std::vector<float> range(size_t{2} * neurons_);
-    require_ok(vdna_range_clear(range.data(), neurons_), t.name);
+    require(vdna_range_clear(range.data(), neurons_), t.name);
     for (uint32_t i = 0; i < t.recording.frames; i++) {
-        require_not_interrupted();
+        program::require_not_interrupted();
         const std::vector<vdna_activations> &taps = picked(traversal, i);
-        require_ok(vdna_range_observe(range.data(), neurons_, taps.data(), taps.size()),
-                   t.files[i].string());
+        require(vdna_range_observe(range.data(), neurons_, taps.data(), taps.size()),
+                t.files[i].string());
     }
     return range;
 }
@@ -110,14 +111,14 @@ std::vector<float> Binning::observe(size_t traversal)
 std::vector<float> Binning::range_of(const std::vector<size_t> &traversals)
 {
     std::vector<float> range(size_t{2} * neurons_);
-    require_ok(vdna_range_clear(range.data(), neurons_), "ranges");
+    require(vdna_range_clear(range.data(), neurons_), "ranges");
     for (const size_t traversal : traversals) {
         // What was observed of a traversal is observed again, as two samples per neuron.
         const vdna_activations extremes = {observed(traversal).data(), neurons_, 2,
                                            VDNA_LAYOUT_NEURONS_SAMPLES};
-        require_ok(vdna_range_observe(range.data(), neurons_, &extremes, 1), "ranges");
+        require(vdna_range_observe(range.data(), neurons_, &extremes, 1), "ranges");
     }
-    require_ok(vdna_range_expand(range.data(), neurons_, VDNA_RANGE_FACTOR, range_rule_), "ranges");
+    require(vdna_range_expand(range.data(), neurons_, VDNA_RANGE_FACTOR, range_rule_), "ranges");
     return range;
 }
 
@@ -159,7 +160,7 @@ Counts Binning::count(size_t traversal, uint32_t frames, const std::vector<float
 {
     Histogram histogram(range, bins);
     for (uint32_t i = 0; i < frames; i++) {
-        require_not_interrupted();
+        program::require_not_interrupted();
         const std::vector<vdna_activations> &taps = picked(traversal, i);
         histogram.add(taps.data(), taps.size(), frames_.traversals()[traversal].name);
     }
@@ -169,4 +170,4 @@ Counts Binning::count(size_t traversal, uint32_t frames, const std::vector<float
             {hist.mass, hist.mass + neurons_}};
 }
 
-} // namespace vdna
+} // namespace vdna::eval

@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "frames.hpp"
-#include "tap.hpp"
+#include <vdna/cpp/taps.hpp>
 
-namespace vdna
+#include "eval/frames.hpp"
+
+namespace vdna::eval
 {
 
 // The counts of a histogram.
@@ -56,4 +57,4 @@ class Binning
     std::vector<std::vector<float>> observed_; // [traversals], minima and maxima once asked for
 };
 
-} // namespace vdna
+} // namespace vdna::eval

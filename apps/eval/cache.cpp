@@ -1,4 +1,4 @@
-#include "cache.hpp"
+#include "eval/cache.hpp"
 
 #include <cstdlib>
 #include <fstream>
@@ -6,10 +6,12 @@
 
 #include <sha2.h>
 
-#include "error.hpp"
-#include "whole_file.hpp"
+#include <vdna/cpp/error.hpp>
 
-namespace vdna
+#include "program/exit_code.hpp"
+#include "program/whole_file.hpp"
+
+namespace vdna::eval
 {
 
 namespace
@@ -26,8 +28,8 @@ fs::path default_directory()
         return fs::path(cache) / "vdna";
     if (home && *home)
         return fs::path(home) / ".cache" / "vdna";
-    throw Error("neither XDG_CACHE_HOME nor HOME says where to keep activations; set --cache",
-                exit_usage);
+    throw program::UsageError(
+        "neither XDG_CACHE_HOME nor HOME says where to keep activations; set --cache");
 }
 
 } // namespace
@@ -70,7 +72,7 @@ void Cache::store(const std::string &key, std::string bytes) const
     bytes += sha256_of(bytes.data(), bytes.size());
     std::error_code failure;
     fs::create_directories(file_of(key).parent_path(), failure); // reported by the write
-    write_whole_file(file_of(key).string(), bytes);
+    program::write_whole_file(file_of(key).string(), bytes);
 }
 
 fs::path Cache::file_of(const std::string &key) const
@@ -78,4 +80,4 @@ fs::path Cache::file_of(const std::string &key) const
     return directory_ / key.substr(0, 2) / key.substr(2);
 }
 
-} // namespace vdna
+} // namespace vdna::eval

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace vdna
+namespace vdna::eval
 {
 
 // A SHA-256 as 64 hexadecimal digits.
@@ -30,4 +30,4 @@ class Cache
     std::filesystem::path directory_;
 };
 
-} // namespace vdna
+} // namespace vdna::eval

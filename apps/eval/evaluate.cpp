@@ -1,4 +1,4 @@
-#include "evaluate.hpp"
+#include "eval/evaluate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,15 +6,15 @@
 #include <limits>
 #include <numeric>
 
+#include <vdna/cpp/error.hpp>
 #include <vdna/emd.h>
 
-#include "check.hpp"
-#include "interrupt/interrupt.hpp"
-#include "localise_query.hpp"
-#include "progress/progress.hpp"
-#include "warmup.hpp"
+#include "eval/localise_query.hpp"
+#include "program/interrupt.hpp"
+#include "program/progress.hpp"
+#include "record/warmup.hpp"
 
-namespace vdna
+namespace vdna::eval
 {
 
 namespace
@@ -34,7 +34,7 @@ std::vector<size_t> named(const std::vector<Traversal> &traversals,
     return picked;
 }
 
-uint32_t warmup_frames(const Recording &recording, const Warmup &warmup)
+uint32_t warmup_frames(const record::Recording &recording, const Warmup &warmup)
 {
     if (warmup.frames > 0)
         return std::min(warmup.frames, recording.frames);
@@ -63,7 +63,7 @@ class Run
             queries.push_back(query_of(traversal));
             pairs += references_of(traversal).size();
         }
-        Progress progress("evaluating", pairs);
+        program::Progress progress("evaluating", pairs);
         begin_tables(queries.size());
         for (QueryResult &query : queries) {
             localise(query);
@@ -106,7 +106,7 @@ class Run
     {
         const Traversal &t = traversals_[traversal];
         QueryResult query{traversal, 0, {}, {}, {}, {}};
-        query.warmup_frames = warmup_frames(t.recording, warmup_of(settings_.warmup));
+        query.warmup_frames = warmup_frames(t.recording, record::warmup_of(settings_.warmup));
         for (uint64_t i = query.warmup_frames; i < t.recording.frames; i += settings_.stride)
             query.live.push_back(static_cast<uint32_t>(i));
         if (query.warmup_frames < 2 || query.live.empty())
@@ -138,20 +138,20 @@ class Run
                              unit_};
         const std::vector<size_t> references = references_of(query.traversal);
         for (const size_t reference : references) {
-            require_not_interrupted();
+            program::require_not_interrupted();
             query.pairs.push_back({reference, localise_query(task, {reference}), {}});
         }
         query.all = localise_query(task, references);
     }
 
     // All distances of the query's warmup to its references.
-    void compare(QueryResult &query, Progress &progress)
+    void compare(QueryResult &query, program::Progress &progress)
     {
         query.range = binning_.range_of(references_of(query.traversal));
         const Counts live =
             binning_.counts_of(query.traversal, query.warmup_frames, query.range, settings_.bins);
         for (PairResult &pair : query.pairs) {
-            require_not_interrupted();
+            program::require_not_interrupted();
             const size_t cell = cell_of(pair.reference);
             result_.recall[cell] = pair.outcome.recall[0];
             compare_vdna(query, live, pair, cell);
@@ -170,8 +170,8 @@ class Run
         std::vector<int64_t> scratch(vdna_emd_scratch_size(p.neurons) / sizeof(int64_t) + 1);
         const size_t scratch_size = scratch.size() * sizeof(int64_t);
         pair.neuron_emd_bins.resize(p.neurons);
-        require_ok(vdna_emd(&p, &q, scratch.data(), scratch_size, pair.neuron_emd_bins.data()),
-                   reference.name);
+        require(vdna_emd(&p, &q, scratch.data(), scratch_size, pair.neuron_emd_bins.data()),
+                reference.name);
         method("vdna").distance[cell] =
             std::accumulate(pair.neuron_emd_bins.begin(), pair.neuron_emd_bins.end(), 0.0) /
             p.neurons;
@@ -182,22 +182,22 @@ class Run
 
     double frechet(const QueryResult &query, size_t reference) const
     {
-        const Recording &live = traversals_[query.traversal].recording;
-        const Recording &map = traversals_[reference].recording;
+        const record::Recording &live = traversals_[query.traversal].recording;
+        const record::Recording &map = traversals_[reference].recording;
         double distance = 0;
-        require_ok(vdna_frechet(live.embeddings.data(), query.warmup_frames, map.embeddings.data(),
-                                map.frames, frames_.backbone().dim, &distance),
-                   traversals_[reference].name + ": Frechet distance");
+        require(vdna_frechet(live.embeddings.data(), query.warmup_frames, map.embeddings.data(),
+                             map.frames, frames_.backbone().dim, &distance),
+                traversals_[reference].name + ": Frechet distance");
         return distance;
     }
 
     double intensity(const QueryResult &query, size_t reference) const
     {
-        const Recording &map = traversals_[reference].recording;
+        const record::Recording &map = traversals_[reference].recording;
         double distance = 0;
-        require_ok(vdna_intensity(traversals_[query.traversal].recording.grey.data(),
-                                  query.warmup_frames, map.grey.data(), map.frames, &distance),
-                   traversals_[reference].name + ": pixel intensity");
+        require(vdna_intensity(traversals_[query.traversal].recording.grey.data(),
+                               query.warmup_frames, map.grey.data(), map.frames, &distance),
+                traversals_[reference].name + ": pixel intensity");
         return distance;
     }
 
@@ -208,7 +208,7 @@ class Run
                 result_.recall.data(), judged.distance.empty() ? nullptr : judged.distance.data(),
                 static_cast<uint32_t>(result_.queries.size()),
                 static_cast<uint32_t>(references_.size())};
-            require_ok(vdna_judge_ranking(&table, &judged.metrics), "ranking by " + judged.name);
+            require(vdna_judge_ranking(&table, &judged.metrics), "ranking by " + judged.name);
         }
     }
 
@@ -230,7 +230,7 @@ class Run
     const std::vector<Traversal> &traversals_;
     Binning &binning_;
     const EvaluationSettings &settings_;
-    Unit unit_;
+    record::Unit unit_;
     std::vector<size_t> references_;
     Evaluation result_;
 };
@@ -244,7 +244,7 @@ std::vector<float> matrix(const Evaluation &evaluation, const QueryResult &query
     std::vector<float> values;
     values.reserve(query.live.size() * frames);
     for (const uint32_t i : query.live) {
-        require_not_interrupted();
+        program::require_not_interrupted();
         for (uint32_t j = 0; j < frames; j++)
             values.push_back(static_cast<float>(number(i, j)));
     }
@@ -265,19 +265,19 @@ std::vector<float> difference_matrix(const Evaluation &evaluation, const QueryRe
     const float *live = (*evaluation.traversals)[query.traversal].recording.embeddings.data();
     const float *map = (*evaluation.traversals)[reference].recording.embeddings.data();
     return matrix(evaluation, query, reference, [&](uint32_t i, uint32_t j) {
-        return embedding_distance(live + dim * i, map + dim * j, dim);
+        return record::embedding_distance(live + dim * i, map + dim * j, dim);
     });
 }
 
 std::vector<float> ground_truth_matrix(const Evaluation &evaluation, const QueryResult &query,
                                        size_t reference)
 {
-    const Recording &live = (*evaluation.traversals)[query.traversal].recording;
+    const record::Recording &live = (*evaluation.traversals)[query.traversal].recording;
     const vdna_experience map =
         map_of((*evaluation.traversals)[reference].recording, evaluation.backbone.dim);
     return matrix(evaluation, query, reference, [&](uint32_t i, uint32_t j) {
-        return frames_apart(evaluation.unit, live, i, map, j);
+        return record::frames_apart(evaluation.unit, live, i, map, j);
     });
 }
 
-} // namespace vdna
+} // namespace vdna::eval

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "binning.hpp"
-#include "evaluation.hpp"
+#include "eval/binning.hpp"
+#include "eval/evaluation.hpp"
 
-namespace vdna
+namespace vdna::eval
 {
 
 struct EvaluationSettings {
@@ -24,4 +24,4 @@ struct EvaluationSettings {
 // Throws Error.
 Evaluation evaluate(const Frames &frames, Binning &binning, const EvaluationSettings &settings);
 
-} // namespace vdna
+} // namespace vdna::eval

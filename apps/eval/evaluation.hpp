@@ -10,17 +10,17 @@
 #include <vdna/backbone.h>
 #include <vdna/baseline.h>
 
-#include "localisation.hpp"
-#include "recording.hpp"
+#include "record/localisation.hpp"
+#include "record/recording.hpp"
 
-namespace vdna
+namespace vdna::eval
 {
 
 // One traversal of a data set, with what the network made of its frames.
 struct Traversal {
     std::string name;  // "winter", or "test:2/winter" of a partitioned data set
     std::string group; // traversals are compared within their group only: "test:2", or ""
-    Recording recording;
+    record::Recording recording;
     std::vector<std::filesystem::path> files; // [recording.frames], the pictures
 };
 
@@ -76,10 +76,10 @@ struct Evaluation {
     uint32_t bins = 0;
     std::string warmup; // "100" frames or "45s"
     double tolerance = 0;
-    Unit unit = Unit::none; // of the tolerance
-    uint32_t stride = 1;    // every stride-th frame after the warmup is localised
-    uint64_t cached = 0;    // frames whose activations were taken from the cache
-    uint64_t computed = 0;  // frames that went through the network
+    record::Unit unit = record::Unit::none; // of the tolerance
+    uint32_t stride = 1;                    // every stride-th frame after the warmup is localised
+    uint64_t cached = 0;                    // frames whose activations were taken from the cache
+    uint64_t computed = 0;                  // frames that went through the network
 
     const std::vector<Traversal> *traversals = nullptr; // borrowed
     std::vector<QueryResult> queries;
@@ -96,4 +96,4 @@ std::vector<float> difference_matrix(const Evaluation &evaluation, const QueryRe
 std::vector<float> ground_truth_matrix(const Evaluation &evaluation, const QueryResult &query,
                                        size_t reference);
 
-} // namespace vdna
+} // namespace vdna::eval

@@ -1,8 +1,8 @@
-#include "frame_cache.hpp"
+#include "eval/frame_cache.hpp"
 
-#include "packing.hpp"
+#include "eval/packing.hpp"
 
-namespace vdna
+namespace vdna::eval
 {
 
 namespace
@@ -106,4 +106,4 @@ void FrameCache::store(const std::string &key, const vdna_backbone_frame &frame)
     cache_.store(key + frame_kind, packed_frame(frame)); // last: a frame that is found has its taps
 }
 
-} // namespace vdna
+} // namespace vdna::eval

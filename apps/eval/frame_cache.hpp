@@ -7,9 +7,9 @@
 
 #include <vdna/backbone.h>
 
-#include "cache.hpp"
+#include "eval/cache.hpp"
 
-namespace vdna
+namespace vdna::eval
 {
 
 // What localisation and the baselines need of a frame.
@@ -47,4 +47,4 @@ class FrameCache
     std::string network_;
 };
 
-} // namespace vdna
+} // namespace vdna::eval

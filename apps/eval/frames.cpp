@@ -1,20 +1,20 @@
-#include "frames.hpp"
+#include "eval/frames.hpp"
 
 #include <cmath>
 
-#include "interrupt/interrupt.hpp"
-#include "progress/progress.hpp"
-#include "source.hpp"
+#include "frames/source.hpp"
+#include "program/interrupt.hpp"
+#include "program/progress.hpp"
 
-namespace vdna
+namespace vdna::eval
 {
 
 namespace
 {
 
-Frame labelled(const DatasetFrame &from, uint64_t index, double rate_hz)
+frames::Frame labelled(const frames::DatasetFrame &from, uint64_t index, double rate_hz)
 {
-    Frame frame;
+    frames::Frame frame;
     frame.index = index;
     frame.file = from.file;
     frame.name = from.file.string();
@@ -31,32 +31,32 @@ Frame labelled(const DatasetFrame &from, uint64_t index, double rate_hz)
 
 } // namespace
 
-Frames::Frames(const Dataset &dataset, Backbone &backbone, const Cache &cache,
+Frames::Frames(const frames::Dataset &dataset, Backbone &backbone, const Cache &cache,
                const FramesOptions &options)
     : backbone_(backbone), cache_(cache), frame_cache_(cache, backbone.info()),
       keys_(dataset.traversals.size())
 {
-    for (const DatasetTraversal &from : dataset.traversals) {
+    for (const frames::DatasetTraversal &from : dataset.traversals) {
         Traversal &to = traversals_.emplace_back(Traversal{from.name, from.group, {}, {}});
         record(from, to, keys_[traversals_.size() - 1], options);
     }
 }
 
-void Frames::record(const DatasetTraversal &from, Traversal &to, std::vector<std::string> &keys,
-                    const FramesOptions &options)
+void Frames::record(const frames::DatasetTraversal &from, Traversal &to,
+                    std::vector<std::string> &keys, const FramesOptions &options)
 {
-    Progress progress(from.name, from.frames.size());
+    program::Progress progress(from.name, from.frames.size());
     for (size_t i = 0; i < from.frames.size(); i++) {
-        require_not_interrupted();
+        program::require_not_interrupted();
         progress.advance();
-        const Frame frame = labelled(from.frames[i], i, options.rate_hz);
+        const frames::Frame frame = labelled(from.frames[i], i, options.rate_hz);
         try {
-            const std::vector<uint8_t> picture = read_picture(frame.file);
+            const std::vector<uint8_t> picture = frames::read_picture(frame.file);
             const std::string key = frame_cache_.key_of(picture);
             to.recording.add(frame, frame_of(picture, key, frame.name).view());
             to.files.push_back(frame.file);
             keys.push_back(key);
-        } catch (const BadFrame &bad) {
+        } catch (const frames::BadFrame &bad) {
             if (!options.skip_bad)
                 throw Error(bad.what() + std::string("; replace or remove it, or leave out "
                                                      "pictures like it with --skip-bad"));
@@ -92,7 +92,7 @@ void Frames::compute(const std::vector<uint8_t> &picture, const std::string &key
     const vdna_status status = vdna_backbone_run(backbone_.get(), &image, &error, &output);
     const std::string sentence = name + ": " + error.text;
     if (status == VDNA_ERR_FORMAT || status == VDNA_ERR_UNSUPPORTED || status == VDNA_ERR_NONFINITE)
-        throw BadFrame(sentence);
+        throw frames::BadFrame(sentence);
     if (status != VDNA_OK)
         throw Error(sentence);
     frame_cache_.store(key, output);
@@ -104,7 +104,7 @@ const std::vector<vdna_activations> &Frames::taps(size_t traversal, uint32_t fra
     std::optional<CachedTaps> found = frame_cache_.find_taps(key);
     if (!found) { // damaged, or removed since
         const std::filesystem::path &file = traversals_[traversal].files[frame];
-        compute(read_picture(file), key, file.string());
+        compute(frames::read_picture(file), key, file.string());
         found = frame_cache_.find_taps(key);
         if (!found)
             complain_of_lost_entry(file.string());
@@ -113,4 +113,4 @@ const std::vector<vdna_activations> &Frames::taps(size_t traversal, uint32_t fra
     return taps_.taps;
 }
 
-} // namespace vdna
+} // namespace vdna::eval

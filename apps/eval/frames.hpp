@@ -3,12 +3,13 @@
 
 #include <vector>
 
-#include "dataset.hpp"
-#include "evaluation.hpp"
-#include "frame_cache.hpp"
-#include "pairing/pairing.hpp"
+#include <vdna/cpp/backbone.hpp>
 
-namespace vdna
+#include "eval/evaluation.hpp"
+#include "eval/frame_cache.hpp"
+#include "frames/dataset.hpp"
+
+namespace vdna::eval
 {
 
 struct FramesOptions {
@@ -22,7 +23,7 @@ class Frames
     // Sends the pictures that the cache does not hold through the network. Shows progress; what was
     // computed before Ctrl-C or an error stays in the cache. backbone, cache: borrowed. Throws
     // Error.
-    Frames(const Dataset &dataset, Backbone &backbone, const Cache &cache,
+    Frames(const frames::Dataset &dataset, Backbone &backbone, const Cache &cache,
            const FramesOptions &options);
 
     const std::vector<Traversal> &traversals() const { return traversals_; }
@@ -37,7 +38,7 @@ class Frames
     const std::vector<vdna_activations> &taps(size_t traversal, uint32_t frame);
 
   private:
-    void record(const DatasetTraversal &from, Traversal &to, std::vector<std::string> &keys,
+    void record(const frames::DatasetTraversal &from, Traversal &to, std::vector<std::string> &keys,
                 const FramesOptions &options);
     CachedFrame frame_of(const std::vector<uint8_t> &picture, const std::string &key,
                          const std::string &name);
@@ -54,4 +55,4 @@ class Frames
     uint64_t computed_ = 0;
 };
 
-} // namespace vdna
+} // namespace vdna::eval

@@ -1,17 +1,17 @@
-#include "localise_query.hpp"
+#include "eval/localise_query.hpp"
 
 #include <algorithm>
 
-#include "error.hpp"
+#include <vdna/cpp/error.hpp>
 
-namespace vdna
+namespace vdna::eval
 {
 
 namespace
 {
 
 // Append frame i of another recording.
-void append(Recording &to, const Recording &from, uint32_t i, uint32_t dim)
+void append(record::Recording &to, const record::Recording &from, uint32_t i, uint32_t dim)
 {
     to.frames++;
     if (!from.place.empty())
@@ -24,11 +24,11 @@ void append(Recording &to, const Recording &from, uint32_t i, uint32_t dim)
 }
 
 // One experience of all frames of these traversals, one after the other.
-Recording joined(const QueryTask &task, const std::vector<size_t> &references)
+record::Recording joined(const QueryTask &task, const std::vector<size_t> &references)
 {
-    Recording all;
+    record::Recording all;
     for (const size_t reference : references) {
-        const Recording &recording = task.traversals[reference].recording;
+        const record::Recording &recording = task.traversals[reference].recording;
         for (uint32_t i = 0; i < recording.frames; i++)
             append(all, recording, i, task.dim);
     }
@@ -49,7 +49,7 @@ size_t split(const QueryTask &task, const std::vector<size_t> &references, uint3
 
 } // namespace
 
-vdna_experience map_of(const Recording &recording, uint32_t dim)
+vdna_experience map_of(const record::Recording &recording, uint32_t dim)
 {
     vdna_experience map{};
     map.frames = recording.frames;
@@ -62,19 +62,20 @@ vdna_experience map_of(const Recording &recording, uint32_t dim)
 
 Outcome localise_query(const QueryTask &task, const std::vector<size_t> &references)
 {
-    const Recording &traversal = task.traversals[task.query.traversal].recording;
-    Recording live;
+    const record::Recording &traversal = task.traversals[task.query.traversal].recording;
+    record::Recording live;
     for (const uint32_t i : task.query.live)
         append(live, traversal, i, task.dim);
-    const Recording recording = joined(task, references);
+    const record::Recording recording = joined(task, references);
     const vdna_experience map = map_of(recording, task.dim);
-    const Localisation found = localise_in(map, live, task.tolerance, recall_depths.back());
+    const record::Localisation found =
+        record::localise_in(map, live, task.tolerance, recall_depths.back());
 
     Outcome outcome{{}, found.good(), found.unreachable(), {}};
     for (size_t i = 0; i < recall_depths.size(); i++)
         outcome.recall[i] = found.recall_percent(recall_depths[i]);
     for (size_t i = 0; i < found.matches.size(); i++) {
-        const Match &match = found.matches[i];
+        const record::Match &match = found.matches[i];
         uint32_t frame = match.frame;
         const size_t reference = split(task, references, frame);
         outcome.matches.push_back(
@@ -83,18 +84,18 @@ Outcome localise_query(const QueryTask &task, const std::vector<size_t> &referen
     return outcome;
 }
 
-Unit unit_of(const std::vector<Traversal> &traversals)
+record::Unit unit_of(const std::vector<Traversal> &traversals)
 {
     const auto all = [&](auto has) {
         return std::all_of(traversals.begin(), traversals.end(),
                            [&](const Traversal &t) { return has(t.recording); });
     };
-    if (all([](const Recording &r) { return !r.position.empty(); }))
-        return Unit::metres;
-    if (all([](const Recording &r) { return !r.place.empty(); }))
-        return Unit::places;
+    if (all([](const record::Recording &r) { return !r.position.empty(); }))
+        return record::Unit::metres;
+    if (all([](const record::Recording &r) { return !r.place.empty(); }))
+        return record::Unit::places;
     throw Error("the traversals are not labelled alike, expected positions or place numbers in all "
                 "of them");
 }
 
-} // namespace vdna
+} // namespace vdna::eval

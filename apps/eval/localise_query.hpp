@@ -1,9 +1,9 @@
 // The live frames of a query, localised in recorded traversals.
 #pragma once
 
-#include "evaluation.hpp"
+#include "eval/evaluation.hpp"
 
-namespace vdna
+namespace vdna::eval
 {
 
 // What a localisation needs to know about its map.
@@ -12,16 +12,16 @@ struct QueryTask {
     const QueryResult &query; // its traversal and live frames
     uint32_t dim;             // of the embeddings
     double tolerance;         // inclusive
-    Unit unit;                // of the tolerance; what all traversals are labelled with
+    record::Unit unit;        // of the tolerance; what all traversals are labelled with
 };
 
 // In one traversal, or in several as if they were one. Throws Error.
 Outcome localise_query(const QueryTask &task, const std::vector<size_t> &references);
 
 // A recording as a map to localise in; borrowed.
-vdna_experience map_of(const Recording &recording, uint32_t dim);
+vdna_experience map_of(const record::Recording &recording, uint32_t dim);
 
 // The kind of label that all traversals have. Throws Error if there is none.
-Unit unit_of(const std::vector<Traversal> &traversals);
+record::Unit unit_of(const std::vector<Traversal> &traversals);
 
-} // namespace vdna
+} // namespace vdna::eval

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace vdna
+namespace vdna::eval
 {
 
 template <typename T>
@@ -75,4 +75,4 @@ class Unpacker
     size_t at_ = 0;
 };
 
-} // namespace vdna
+} // namespace vdna::eval

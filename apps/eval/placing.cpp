@@ -1,13 +1,12 @@
-#include "placing.hpp"
+#include "eval/placing.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include <vdna/cpp/error.hpp>
 #include <vdna/rank.h>
 
-#include "check.hpp"
-
-namespace vdna
+namespace vdna::eval
 {
 
 namespace
@@ -27,8 +26,8 @@ std::vector<Place> sorted(const Evaluation &evaluation, size_t query,
         references.push_back(evaluation.references[r]);
     }
     std::vector<vdna_rank_entry> entries(keys.size());
-    require_ok(vdna_rank_sort(keys.data(), static_cast<uint32_t>(keys.size()), entries.data()),
-               "ranking");
+    require(vdna_rank_sort(keys.data(), static_cast<uint32_t>(keys.size()), entries.data()),
+            "ranking");
     std::vector<Place> places;
     for (const vdna_rank_entry &entry : entries)
         places.push_back({references[entry.candidate], sign * entry.distance_bins, 0});
@@ -57,4 +56,4 @@ std::vector<Place> predicted_places(const Evaluation &evaluation, size_t query,
     return places;
 }
 
-} // namespace vdna
+} // namespace vdna::eval

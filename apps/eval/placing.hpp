@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "evaluation.hpp"
+#include "eval/evaluation.hpp"
 
-namespace vdna
+namespace vdna::eval
 {
 
 // One place of a ranking.
@@ -22,4 +22,4 @@ std::vector<Place> true_places(const Evaluation &evaluation, size_t query);
 std::vector<Place> predicted_places(const Evaluation &evaluation, size_t query,
                                     const MethodResult &method);
 
-} // namespace vdna
+} // namespace vdna::eval

@@ -1,12 +1,13 @@
-#include "precision_change.hpp"
+#include "eval/precision_change.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "error.hpp"
-#include "placing.hpp"
+#include <vdna/cpp/error.hpp>
 
-namespace vdna
+#include "eval/placing.hpp"
+
+namespace vdna::eval
 {
 
 namespace
@@ -123,4 +124,4 @@ RankingChange ranking_change(const Evaluation &a, const Evaluation &b)
     return change;
 }
 
-} // namespace vdna
+} // namespace vdna::eval

@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "evaluation.hpp"
+#include "eval/evaluation.hpp"
 
-namespace vdna
+namespace vdna::eval
 {
 
 struct Spread {
@@ -42,4 +42,4 @@ EmbeddingChange embedding_change(const std::vector<Traversal> &a, const std::vec
 // a, b: of the same data set with the same settings.
 RankingChange ranking_change(const Evaluation &a, const Evaluation &b);
 
-} // namespace vdna
+} // namespace vdna::eval

@@ -1,13 +1,13 @@
-#include "published_table.hpp"
+#include "eval/published_table.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <limits>
 
-#include "check.hpp"
+#include <vdna/cpp/error.hpp>
 
-namespace vdna
+namespace vdna::eval
 {
 
 namespace
@@ -17,14 +17,15 @@ constexpr double no_pair = std::numeric_limits<double>::quiet_NaN();
 
 // A member of the JSON text, with its path for complaints: "FILE: recall.fall.winter".
 struct Member {
-    const Json &json;
+    const program::Json &json;
     std::string path;
 
     [[noreturn]] void fail(const std::string &expected) const
     {
-        throw Error(path + ": is " +
-                    json.dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 60) +
-                    ", expected " + expected);
+        throw Error(
+            path + ": is " +
+            json.dump(-1, ' ', false, program::Json::error_handler_t::replace).substr(0, 60) +
+            ", expected " + expected);
     }
 
     void require_object(const std::string &expected) const
@@ -51,7 +52,7 @@ std::vector<Member> members_of(const Member &object)
     return members;
 }
 
-std::vector<std::string> names_in(const Json &object)
+std::vector<std::string> names_in(const program::Json &object)
 {
     std::vector<std::string> names;
     for (const auto &item : object.items())
@@ -60,10 +61,10 @@ std::vector<std::string> names_in(const Json &object)
 }
 
 // The names of all references, in the order in which they come.
-std::vector<std::string> references_in(const Json &recall)
+std::vector<std::string> references_in(const program::Json &recall)
 {
     std::vector<std::string> references;
-    for (const Json &row : recall)
+    for (const program::Json &row : recall)
         for (const std::string &name : names_in(row))
             if (name != "all" &&
                 std::find(references.begin(), references.end(), name) == references.end())
@@ -93,7 +94,7 @@ std::vector<double> table_of(const Member &object, const std::vector<std::string
     return table;
 }
 
-Member member_of(const Json &json, const char *name, const std::string &where)
+Member member_of(const program::Json &json, const char *name, const std::string &where)
 {
     if (!json.is_object() || !json.contains(name))
         throw Error(where + ": no member \"" + name +
@@ -104,7 +105,7 @@ Member member_of(const Json &json, const char *name, const std::string &where)
 
 } // namespace
 
-std::vector<MethodResult> judge_published(const Json &json, const std::string &where)
+std::vector<MethodResult> judge_published(const program::Json &json, const std::string &where)
 {
     const Member recall_member = member_of(json, "recall", where);
     const Member distance_member = member_of(json, "distance", where);
@@ -128,7 +129,7 @@ std::vector<MethodResult> judge_published(const Json &json, const std::string &w
             common.data(), distance.empty() ? nullptr : distance.data(),
             static_cast<uint32_t>(queries.size()), static_cast<uint32_t>(references.size())};
         MethodResult result{name, distance, {}};
-        require_ok(vdna_judge_ranking(&table, &result.metrics), path);
+        require(vdna_judge_ranking(&table, &result.metrics), path);
         return result;
     };
     std::vector<MethodResult> results;
@@ -144,4 +145,4 @@ std::vector<MethodResult> judge_published(const Json &json, const std::string &w
     return results;
 }
 
-} // namespace vdna
+} // namespace vdna::eval

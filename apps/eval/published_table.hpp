@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "evaluation.hpp"
-#include "print.hpp"
+#include "eval/evaluation.hpp"
+#include "program/print.hpp"
 
-namespace vdna
+namespace vdna::eval
 {
 
 // json: {"recall": {query: {reference: percent, "all": percent}},
@@ -15,6 +15,6 @@ namespace vdna
 // may be missing or null; a method is judged by the pairs that it and the recalls both have.
 // "random" is always judged, by all recalls. where: names the file in complaints. Throws Error,
 // naming the member.
-std::vector<MethodResult> judge_published(const Json &json, const std::string &where);
+std::vector<MethodResult> judge_published(const program::Json &json, const std::string &where);
 
-} // namespace vdna
+} // namespace vdna::eval

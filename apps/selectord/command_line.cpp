@@ -1,11 +1,13 @@
 #include "selectord/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+
+#include <vdna/cpp/error.hpp>
 #include <vdna/version.h>
 
-#include "error.hpp"
+#include "program/exit_code.hpp"
 
-namespace vdna
+namespace vdna::selectord
 {
 
 namespace
@@ -96,7 +98,7 @@ std::optional<Invocation> read_command_line(int argc, const char *const *argv)
         app.exit(answered);
         return std::nullopt;
     } catch (const CLI::ParseError &error) {
-        throw Error(std::string(error.what()) + "; see `vdna_selectord --help`", exit_usage);
+        throw program::UsageError(std::string(error.what()) + "; see `vdna_selectord --help`");
     }
     if (!options.file.empty())
         invocation.config = read_config(options.file);
@@ -104,4 +106,4 @@ std::optional<Invocation> read_command_line(int argc, const char *const *argv)
     return invocation;
 }
 
-} // namespace vdna
+} // namespace vdna::selectord

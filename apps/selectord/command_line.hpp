@@ -5,7 +5,7 @@
 
 #include "selectord/config.hpp"
 
-namespace vdna
+namespace vdna::selectord
 {
 
 // What the daemon was asked to do.
@@ -20,4 +20,4 @@ struct Invocation {
 // Nothing if --help or --version was asked for and has been answered. Throws Error.
 std::optional<Invocation> read_command_line(int argc, const char *const *argv);
 
-} // namespace vdna
+} // namespace vdna::selectord

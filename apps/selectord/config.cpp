@@ -10,11 +10,13 @@
 #include <variant>
 
 #include <toml++/toml.h>
+
+#include <vdna/cpp/error.hpp>
 #include <vdna/image.h>
 
-#include "error.hpp"
+#include "program/exit_code.hpp"
 
-namespace vdna
+namespace vdna::selectord
 {
 
 namespace
@@ -63,9 +65,8 @@ const std::array<Setting, 18> settings{{
 [[noreturn]] void fail(const std::string &path, const toml::source_position &at,
                        const std::string &sentence)
 {
-    throw Error(path + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": " +
-                    sentence,
-                exit_usage);
+    throw program::UsageError(path + ":" + std::to_string(at.line) + ":" +
+                              std::to_string(at.column) + ": " + sentence);
 }
 
 // A number as TOML writes it: 10.0, not 10.000000.
@@ -207,14 +208,12 @@ std::string read_text(const std::string &path)
     std::ifstream file(path, std::ios::binary);
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     if (!file.is_open() || file.bad())
-        throw Error(path + ": cannot be read: " + std::strerror(errno) +
-                        "; name an existing TOML file",
-                    exit_usage);
+        throw program::UsageError(path + ": cannot be read: " + std::strerror(errno) +
+                                  "; name an existing TOML file");
     text.resize(static_cast<size_t>(file.gcount()));
     if (text.size() > size_max)
-        throw Error(path + ": is longer than 64 KiB, expected a configuration as "
-                           "`vdna_selectord --print-config` writes it",
-                    exit_usage);
+        throw program::UsageError(path + ": is longer than 64 KiB, expected a configuration as "
+                                         "`vdna_selectord --print-config` writes it");
     return text;
 }
 
@@ -267,4 +266,4 @@ void print_config(const Config &config, std::ostream &out)
     }
 }
 
-} // namespace vdna
+} // namespace vdna::selectord

@@ -5,7 +5,7 @@
 #include <iosfwd>
 #include <string>
 
-namespace vdna
+namespace vdna::selectord
 {
 
 // Every setting; the members hold the defaults.
@@ -41,4 +41,4 @@ Config read_config(const std::string &path);
 // Write all settings as TOML that read_config() accepts.
 void print_config(const Config &config, std::ostream &out);
 
-} // namespace vdna
+} // namespace vdna::selectord

@@ -5,9 +5,9 @@
 #include <cinttypes>
 #include <cstdio>
 
-#include "error.hpp"
+#include <vdna/cpp/error.hpp>
 
-namespace vdna
+namespace vdna::selectord
 {
 
 namespace
@@ -28,34 +28,18 @@ int64_t wall_us()
     return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
 }
 
-vdna_select_config selector_config(const Config &config,
-                                   const std::vector<vdna_select_candidate> &candidates,
-                                   uint32_t dim)
+Warmup warmup_of(const Config &config)
 {
-    vdna_select_config selector;
-    vdna_select_config_init(&selector);
-    selector.candidates = candidates.data();
-    selector.candidate_count = static_cast<uint32_t>(candidates.size());
-    selector.dim = dim;
-    selector.warmup_frames = config.warmup_frames;
-    selector.warmup_us = static_cast<int64_t>(config.warmup_seconds * 1e6);
-    return selector;
+    return {config.warmup_frames, static_cast<int64_t>(config.warmup_seconds * 1e6)};
 }
 
 } // namespace
 
 Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
-    : map_(map), backbone_(backbone), candidates_(map.candidates()), ranking_(map, backbone.info())
+    : map_(map), backbone_(backbone), selector_(map.candidates(), map.experiences().front().dim,
+                                                warmup_of(config), config.map_directory),
+      ranking_(map, backbone.info())
 {
-    const vdna_select_config selector =
-        selector_config(config, candidates_, map.experiences().front().dim);
-    const size_t size = vdna_select_mem_size(&selector);
-    selector_memory_.resize(size / sizeof(int64_t) + 1);
-    const vdna_status status = vdna_select_init(&selector, selector_memory_.data(), size, &select_);
-    if (status != VDNA_OK)
-        throw Error(
-            config.map_directory + ": cannot select among " + std::to_string(candidates_.size()) +
-            " experiences: " + vdna_status_text(status) + "; rebuild the map with `vdna build`");
 }
 
 uint32_t Daemon::message_size_max() const
@@ -65,7 +49,7 @@ uint32_t Daemon::message_size_max() const
 
 size_t Daemon::histogram_size() const
 {
-    const vdna_hist &live = select_.live;
+    const vdna_hist &live = selector_->live;
     const size_t numbers_per_neuron = live.bins + 2; // counts, mass, saturated
     return numbers_per_neuron * live.neurons * sizeof(uint32_t);
 }
@@ -73,8 +57,7 @@ size_t Daemon::histogram_size() const
 size_t Daemon::size() const
 {
     const size_t per_experience = sizeof(char *) + 2 * sizeof(double) + sizeof(int8_t);
-    return sizeof *this + selector_memory_.size() * sizeof selector_memory_[0] +
-           candidates_.size() * (sizeof candidates_[0] + per_experience);
+    return sizeof *this + selector_.memory_size() + map_.experiences().size() * per_experience;
 }
 
 void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
@@ -102,7 +85,7 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
 
 void Daemon::reset()
 {
-    vdna_select_reset(&select_);
+    vdna_select_reset(selector_.get());
     std::fprintf(stderr, "vdna_selectord: reset by command, warming up again\n");
 }
 
@@ -138,11 +121,11 @@ vdna_msg_localisation_t Daemon::use(vdna_transport *transport, const vdna_transp
 {
     const vdna_select_frame live{frame.utime, seen.taps, seen.tap_count, seen.embedding};
     vdna_select_answer found;
-    const vdna_status status = vdna_select_feed(&select_, &live, &found);
+    const vdna_status status = vdna_select_feed(selector_.get(), &live, &found);
     if (status != VDNA_OK)
         return refuse(frame, vdna_status_text(status));
     (found.newly_ranked ? stages_.rank : stages_.select).add(watch.lap_us());
-    window_frames_max_ = std::max(window_frames_max_, select_.live.frames);
+    window_frames_max_ = std::max(window_frames_max_, selector_->live.frames);
 
     if (found.restarted)
         std::fprintf(stderr, "vdna_selectord: camera time ran backwards, warming up again\n");
@@ -150,7 +133,7 @@ vdna_msg_localisation_t Daemon::use(vdna_transport *transport, const vdna_transp
         announce_choice(transport);
     if (!found.localised)
         return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_WARMING_UP);
-    return position_in(map_.experiences()[select_.chosen], found.match, frame.utime);
+    return position_in(map_.experiences()[selector_->chosen], found.match, frame.utime);
 }
 
 vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const char *reason)
@@ -162,7 +145,7 @@ vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const 
 
 void Daemon::announce_choice(vdna_transport *transport)
 {
-    const vdna_msg_ranking_t &ranking = ranking_.fill(select_);
+    const vdna_msg_ranking_t &ranking = ranking_.fill(*selector_.get());
     note_unless_sent(vdna_transport_publish_ranking(transport, &ranking), "a ranking");
     std::fprintf(stderr,
                  "vdna_selectord: selected %s of %d after %d frames: distance %.3f bins, margin "
@@ -173,7 +156,7 @@ void Daemon::announce_choice(vdna_transport *transport)
 
 void Daemon::publish_status(vdna_transport *transport)
 {
-    const Health health{select_,
+    const Health health{*selector_.get(),
                         *vdna_transport_count(transport),
                         map_.experiences(),
                         backbone_.info(),
@@ -192,4 +175,4 @@ void Daemon::note_unless_sent(vdna_status sent, const char *what)
         problems_.note(monotonic_us(), "%s could not be sent: %s", what, vdna_status_text(sent));
 }
 
-} // namespace vdna
+} // namespace vdna::selectord

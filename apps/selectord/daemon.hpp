@@ -5,16 +5,18 @@
 #include <cstdint>
 #include <vector>
 
+#include <vdna/cpp/backbone.hpp>
+#include <vdna/cpp/map.hpp>
+#include <vdna/cpp/selector.hpp>
 #include <vdna/transport.h>
 
-#include "pairing/pairing.hpp"
 #include "selectord/config.hpp"
 #include "selectord/problem_log.hpp"
 #include "selectord/reports.hpp"
 #include "selectord/resident_memory.hpp"
 #include "selectord/stages.hpp"
 
-namespace vdna
+namespace vdna::selectord
 {
 
 class Daemon
@@ -46,9 +48,7 @@ class Daemon
 
     const Map &map_;
     const Backbone &backbone_;
-    std::vector<vdna_select_candidate> candidates_;
-    std::vector<int64_t> selector_memory_; // int64_t for its alignment
-    vdna_select select_{};
+    Selector selector_;
     RankingReport ranking_;
     ResidentMemory memory_;
     ProblemLog problems_;
@@ -57,4 +57,4 @@ class Daemon
     uint32_t window_frames_max_ = 0;
 };
 
-} // namespace vdna
+} // namespace vdna::selectord

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace vdna
+namespace vdna::selectord
 {
 
 void Durations::add(int64_t us)
@@ -44,4 +44,4 @@ int64_t Durations::middle_of(uint32_t bin)
     return first + (int64_t{1} << shift) / 2;
 }
 
-} // namespace vdna
+} // namespace vdna::selectord

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-namespace vdna
+namespace vdna::selectord
 {
 
 // Counts durations in bins whose width doubles every 32 bins: exact below 64 us, and above that
@@ -34,4 +34,4 @@ class Durations
     int64_t max_us_ = 0;
 };
 
-} // namespace vdna
+} // namespace vdna::selectord

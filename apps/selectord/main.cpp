@@ -7,9 +7,12 @@
 
 #include <signal.h>
 
-#include "connection.hpp"
-#include "error.hpp"
-#include "pairing/pairing.hpp"
+#include <vdna/cpp/backbone.hpp>
+#include <vdna/cpp/connection.hpp>
+#include <vdna/cpp/error.hpp>
+#include <vdna/cpp/map.hpp>
+
+#include "program/exit_code.hpp"
 #include "selectord/command_line.hpp"
 #include "selectord/daemon.hpp"
 #include "selectord/memory_statement.hpp"
@@ -21,6 +24,7 @@ namespace
 {
 
 using namespace vdna;
+using namespace vdna::selectord;
 
 // The URL in force; nullptr = LCM's default.
 const char *url_in_force(const Config &config)
@@ -77,16 +81,16 @@ void say_ready(const Config &config, const Map &map, const Backbone &backbone)
               << " url=" << (url ? url : "default") << std::endl;
 }
 
-ExitCode run(int argc, char **argv)
+program::ExitCode run(int argc, char **argv)
 {
     // What to do. Nothing is opened yet.
     const std::optional<Invocation> invocation = read_command_line(argc, argv);
     if (!invocation)
-        return exit_ok;
+        return program::exit_ok;
     const Config &config = invocation->config;
     if (invocation->print_config) {
         print_config(config, std::cout);
-        return exit_ok;
+        return program::exit_ok;
     }
 
     // Where and how to run: the threads that start from here on inherit it.
@@ -115,12 +119,12 @@ ExitCode run(int argc, char **argv)
     const MemoryStatement memory(config, start_up, map, backbone, daemon, memory_of(transport));
     if (invocation->print_memory) {
         invocation->json ? memory.print_json(std::cout) : memory.print(std::cout);
-        return exit_ok;
+        return program::exit_ok;
     }
     memory.require_budget();
     if (invocation->check) {
         say_ok(config, map, backbone);
-        return exit_ok;
+        return program::exit_ok;
     }
 
     // One-way door: from here on others see us.
@@ -135,7 +139,7 @@ ExitCode run(int argc, char **argv)
 
     // Everything closes itself in reverse: connection, signals, selector, backbone, map.
     std::fprintf(stderr, "vdna_selectord: stopped by a signal\n");
-    return exit_ok;
+    return program::exit_ok;
 }
 
 } // namespace
@@ -146,11 +150,11 @@ int main(int argc, char **argv)
         return run(argc, argv);
     } catch (const vdna::Error &error) {
         std::fprintf(stderr, "vdna_selectord: %s\n", error.what());
-        return error.code();
+        return vdna::program::exit_code_of(error);
     } catch (const std::exception &error) {
         std::fprintf(stderr,
                      "vdna_selectord: %s; this is a defect or the system is out of memory\n",
                      error.what());
-        return vdna::exit_failed;
+        return vdna::program::exit_failed;
     }
 }

@@ -13,9 +13,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "error.hpp"
+#include <vdna/cpp/error.hpp>
 
-namespace vdna
+namespace vdna::selectord
 {
 
 namespace
@@ -197,4 +197,4 @@ void lock_memory()
                     "unlimited` or by CAP_IPC_LOCK, or remove memory.lock");
 }
 
-} // namespace vdna
+} // namespace vdna::selectord

@@ -6,12 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "pairing/pairing.hpp"
+#include <vdna/cpp/backbone.hpp>
+#include <vdna/cpp/map.hpp>
+
 #include "selectord/config.hpp"
 #include "selectord/daemon.hpp"
 #include "selectord/resident_memory.hpp"
 
-namespace vdna
+namespace vdna::selectord
 {
 
 // One reason for holding memory.
@@ -65,4 +67,4 @@ void return_large_blocks();
 // Keep in memory what is there and all that will be. Throws Error if it is not permitted.
 void lock_memory();
 
-} // namespace vdna
+} // namespace vdna::selectord

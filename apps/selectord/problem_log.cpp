@@ -4,7 +4,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-namespace vdna
+namespace vdna::selectord
 {
 
 void ProblemLog::note(int64_t now_us, const char *format, ...)
@@ -26,4 +26,4 @@ void ProblemLog::note(int64_t now_us, const char *format, ...)
     unprinted_ = 0;
 }
 
-} // namespace vdna
+} // namespace vdna::selectord

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-namespace vdna
+namespace vdna::selectord
 {
 
 class ProblemLog
@@ -23,4 +23,4 @@ class ProblemLog
     uint64_t unprinted_ = 0; // since the last line
 };
 
-} // namespace vdna
+} // namespace vdna::selectord

@@ -8,9 +8,11 @@
 #include <sched.h>
 #include <sys/resource.h>
 
-#include "error.hpp"
+#include <vdna/cpp/error.hpp>
 
-namespace vdna
+#include "program/exit_code.hpp"
+
+namespace vdna::selectord
 {
 
 namespace
@@ -18,11 +20,11 @@ namespace
 
 [[noreturn]] void refuse_list(const std::string &list)
 {
-    throw Error("[cpu] affinity is \"" + list +
-                    "\", expected processor numbers such as \"0,1\" or "
-                    "\"0-3\", each below " +
-                    std::to_string(CPU_SETSIZE) + "; correct it, or remove it to use all",
-                exit_usage);
+    throw program::UsageError("[cpu] affinity is \"" + list +
+                              "\", expected processor numbers such as \"0,1\" or "
+                              "\"0-3\", each below " +
+                              std::to_string(CPU_SETSIZE) +
+                              "; correct it, or remove it to use all");
 }
 
 // The digits at `at`, which is then behind them.
@@ -91,4 +93,4 @@ void take_processors(const Config &config)
         prioritise(config.nice);
 }
 
-} // namespace vdna
+} // namespace vdna::selectord

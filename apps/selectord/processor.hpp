@@ -3,11 +3,11 @@
 
 #include "selectord/config.hpp"
 
-namespace vdna
+namespace vdna::selectord
 {
 
 // Apply [cpu] to this thread; those that it starts inherit it. Throws Error if the setting makes no
 // sense or is not permitted.
 void take_processors(const Config &config);
 
-} // namespace vdna
+} // namespace vdna::selectord

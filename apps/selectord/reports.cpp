@@ -5,7 +5,7 @@
 
 #include <vdna/version.h>
 
-namespace vdna
+namespace vdna::selectord
 {
 
 namespace
@@ -155,4 +155,4 @@ vdna_msg_status_t status_of(const Health &health, int64_t utime)
     return message;
 }
 
-} // namespace vdna
+} // namespace vdna::selectord

@@ -4,16 +4,17 @@
 
 #include <vector>
 
-#include <vdna/transport.h>
 #include <vdna_msg_localisation_t.h>
 #include <vdna_msg_ranking_t.h>
 #include <vdna_msg_status_t.h>
 
-#include "pairing/pairing.hpp"
+#include <vdna/cpp/map.hpp>
+#include <vdna/transport.h>
+
 #include "selectord/resident_memory.hpp"
 #include "selectord/stages.hpp"
 
-namespace vdna
+namespace vdna::selectord
 {
 
 // The ranking message with room for all experiences of a map.
@@ -64,4 +65,4 @@ constexpr uint32_t other_messages_size_max = 2048;
 // Borrows its texts from `health`; `utime` is microseconds since 1970.
 vdna_msg_status_t status_of(const Health &health, int64_t utime);
 
-} // namespace vdna
+} // namespace vdna::selectord

@@ -8,7 +8,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-namespace vdna
+namespace vdna::selectord
 {
 
 namespace
@@ -46,4 +46,4 @@ Resident ResidentMemory::read() const
     return {now, bytes_of(text, "RssAnon"), std::max(now, bytes_of(text, "VmHWM"))};
 }
 
-} // namespace vdna
+} // namespace vdna::selectord

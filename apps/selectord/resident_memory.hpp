@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace vdna
+namespace vdna::selectord
 {
 
 // In bytes; 0 where the system does not tell.
@@ -28,4 +28,4 @@ class ResidentMemory
     int file_;
 };
 
-} // namespace vdna
+} // namespace vdna::selectord

@@ -5,7 +5,7 @@
 
 #include "selectord/durations.hpp"
 
-namespace vdna
+namespace vdna::selectord
 {
 
 // Of all frames that were used; what each stage is: docs/SPEC-lcm.md.
@@ -31,4 +31,4 @@ class Stopwatch
     Clock::time_point last_ = Clock::now();
 };
 
-} // namespace vdna
+} // namespace vdna::selectord

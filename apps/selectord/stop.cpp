@@ -6,9 +6,11 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include "error.hpp"
+#include <vdna/cpp/error.hpp>
 
-namespace vdna
+#include "program/exit_code.hpp"
+
+namespace vdna::selectord
 {
 
 namespace
@@ -56,7 +58,7 @@ void StopOnSignal::wait()
     // half done when the process ends in the middle of it.
     constexpr std::chrono::milliseconds patience(100);
     if (finished_.get_future().wait_for(patience) == std::future_status::timeout)
-        _exit(exit_ok);
+        _exit(program::exit_ok);
 }
 
-} // namespace vdna
+} // namespace vdna::selectord

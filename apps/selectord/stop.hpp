@@ -7,7 +7,7 @@
 
 #include <vdna/backbone.h>
 
-namespace vdna
+namespace vdna::selectord
 {
 
 // From now on SIGTERM and SIGINT wait for a StopOnSignal. Call it before the first thread begins:
@@ -35,4 +35,4 @@ class StopOnSignal
     std::thread thread_; // last: it uses the members above
 };
 
-} // namespace vdna
+} // namespace vdna::selectord

@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace vdna
+namespace vdna::simulate
 {
 
 struct Pose {
@@ -61,4 +61,4 @@ class Camera
     cv::Point2d ahead_;
 };
 
-} // namespace vdna
+} // namespace vdna::simulate

@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace vdna
+namespace vdna::simulate
 {
 
 namespace
@@ -135,4 +135,4 @@ void Stand::line(cv::Point2f from, cv::Point2f to, float width, const Colour &co
     stroke(canvas_.picture(), pixel(from), pixel(to), width * scale_, air_.through(colour));
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

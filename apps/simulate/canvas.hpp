@@ -8,7 +8,7 @@
 #include "simulate/camera.hpp"
 #include "simulate/light.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 constexpr int pixel_shift = 4; // fractional bits of the pixels that OpenCV's drawing takes
@@ -71,4 +71,4 @@ class Stand
     Air air_;
 };
 
-} // namespace vdna
+} // namespace vdna::simulate

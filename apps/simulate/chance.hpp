@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace vdna
+namespace vdna::simulate
 {
 
 class Chance
@@ -34,4 +34,4 @@ inline uint64_t seed_of_part(uint64_t seed, uint64_t part)
     return Chance(seed ^ Chance(part).next()).next();
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

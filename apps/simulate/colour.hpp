@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace vdna
+namespace vdna::simulate
 {
 
 using Colour = cv::Vec3f; // blue, green, red; 0..255, and beyond until it is drawn
@@ -22,4 +22,4 @@ inline Colour mix(const Colour &a, const Colour &b, float share)
     return a + (b - a) * share;
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

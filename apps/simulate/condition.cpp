@@ -2,10 +2,12 @@
 
 #include <algorithm>
 
-#include "error.hpp"
+#include <vdna/cpp/error.hpp>
+
+#include "program/exit_code.hpp"
 #include "simulate/chance.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 namespace
@@ -166,7 +168,7 @@ const Condition &find_condition(const std::string &name)
             return condition;
         known += (known.empty() ? "" : ", ") + condition.name;
     }
-    throw Error("there is no condition '" + name + "'; known ones: " + known, exit_usage);
+    throw program::UsageError("there is no condition '" + name + "'; known ones: " + known);
 }
 
 Condition on_another_day(const Condition &condition, float variation, uint64_t seed)
@@ -193,4 +195,4 @@ Condition on_another_day(const Condition &condition, float variation, uint64_t s
     return look;
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

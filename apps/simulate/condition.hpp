@@ -7,7 +7,7 @@
 
 #include "simulate/colour.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 // How a condition looks. Shares are 0..1.
@@ -41,4 +41,4 @@ const Condition &find_condition(const std::string &name);
 // variation: 0 = unchanged, 1 = as much as still goes by the same name
 Condition on_another_day(const Condition &condition, float variation, uint64_t seed);
 
-} // namespace vdna
+} // namespace vdna::simulate

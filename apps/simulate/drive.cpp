@@ -4,7 +4,7 @@
 
 #include "simulate/chance.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 namespace
@@ -45,4 +45,4 @@ int64_t Drive::utime(size_t frame) const
     return std::llround(static_cast<double>(frame) * 1e6 / config_.rate_hz);
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

@@ -7,7 +7,7 @@
 #include "simulate/render.hpp"
 #include "simulate/route.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 struct DriveConfig {
@@ -35,4 +35,4 @@ class Drive
     double phase_;
 };
 
-} // namespace vdna
+} // namespace vdna::simulate

@@ -4,7 +4,7 @@
 
 #include "simulate/chance.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 namespace
@@ -57,4 +57,4 @@ float Grain::at(double x, double y) const
     return tile_(row, column);
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

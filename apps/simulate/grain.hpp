@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace vdna
+namespace vdna::simulate
 {
 
 // One square tile of it, which repeats seamlessly and is the same in every world.
@@ -19,4 +19,4 @@ class Grain
     cv::Mat1f tile_;
 };
 
-} // namespace vdna
+} // namespace vdna::simulate

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace vdna
+namespace vdna::simulate
 {
 
 namespace
@@ -60,4 +60,4 @@ Colour Ground::colour(double along, double across, float detail) const
     return mix(own, rgb(0xeef1f6) * (.96f + .06f * fine), std::clamp(snow, 0.f, 1.f));
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

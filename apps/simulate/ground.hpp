@@ -6,7 +6,7 @@
 #include "simulate/grain.hpp"
 #include "simulate/route.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 class Ground
@@ -31,4 +31,4 @@ class Ground
     const Grain &grain_;
 };
 
-} // namespace vdna
+} // namespace vdna::simulate

@@ -6,7 +6,7 @@
 
 #include "simulate/chance.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 namespace
@@ -478,4 +478,4 @@ void paint_landmark(const Landmark &landmark, const Route &route, Canvas &canvas
     paint_standing(landmark, stand);
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

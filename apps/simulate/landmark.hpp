@@ -4,7 +4,7 @@
 #include "simulate/canvas.hpp"
 #include "simulate/route.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 // Paint the landmark over what is behind it.
@@ -16,4 +16,4 @@ inline float lamp_head(const Landmark &lamp)
     return lamp.height - .1f;
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace vdna
+namespace vdna::simulate
 {
 
 Air Light::at(const cv::Point3f &seen) const
@@ -25,4 +25,4 @@ Air Light::at(const cv::Point3f &seen) const
     return air;
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

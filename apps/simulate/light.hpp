@@ -8,7 +8,7 @@
 #include "simulate/colour.hpp"
 #include "simulate/condition.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 // The light at one point, and the haze between it and the camera.
@@ -40,4 +40,4 @@ class Light
     std::vector<cv::Point3f> lamps_;
 };
 
-} // namespace vdna
+} // namespace vdna::simulate

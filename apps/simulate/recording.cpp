@@ -9,11 +9,12 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "error.hpp"
-#include "interrupt/interrupt.hpp"
-#include "progress/progress.hpp"
+#include <vdna/cpp/error.hpp>
 
-namespace vdna
+#include "program/interrupt.hpp"
+#include "program/progress.hpp"
+
+namespace vdna::simulate
 {
 
 namespace fs = std::filesystem;
@@ -113,10 +114,10 @@ void write_recording(const fs::path &directory, const Route &route, const Condit
                      const Drive &drive, const RecordingConfig &config)
 {
     const Renderer renderer(route, condition, config.size);
-    Progress bar("driving through " + condition.name, config.frames);
+    program::Progress bar("driving through " + condition.name, config.frames);
     std::string labels = "file,utime,x,y\n";
     for (size_t frame = 0; frame < config.frames; frame++) {
-        require_not_interrupted();
+        program::require_not_interrupted();
         const Shot shot = drive.shot(frame);
         const std::string name = picture_name(frame);
         write_picture(directory / name, renderer.render(shot), config.quality);
@@ -166,4 +167,4 @@ void write_sheet(const fs::path &file, const Route &route, const DriveConfig &co
     write_picture(file, sheet, quality);
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

@@ -9,7 +9,7 @@
 #include "simulate/drive.hpp"
 #include "simulate/route.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 struct RecordingConfig {
@@ -28,4 +28,4 @@ void record_drive(const std::filesystem::path &directory, const Route &route,
 void write_sheet(const std::filesystem::path &file, const Route &route, const DriveConfig &drive,
                  cv::Size size, size_t columns, int quality);
 
-} // namespace vdna
+} // namespace vdna::simulate

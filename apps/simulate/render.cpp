@@ -10,7 +10,7 @@
 #include "simulate/ground.hpp"
 #include "simulate/landmark.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 namespace
@@ -220,4 +220,4 @@ cv::Mat3b Renderer::render(const Shot &shot) const
     return picture;
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

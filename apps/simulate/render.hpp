@@ -11,7 +11,7 @@
 #include "simulate/light.hpp"
 #include "simulate/route.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 // What the camera does for one picture.
@@ -48,4 +48,4 @@ class Renderer
     cv::Mat3f noise_; // normally distributed, larger than the picture
 };
 
-} // namespace vdna
+} // namespace vdna::simulate

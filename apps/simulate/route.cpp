@@ -5,7 +5,7 @@
 
 #include "simulate/chance.hpp"
 
-namespace vdna
+namespace vdna::simulate
 {
 
 namespace
@@ -218,4 +218,4 @@ std::vector<Landmark> Route::landmarks(double from, double to) const
     return all;
 }
 
-} // namespace vdna
+} // namespace vdna::simulate

@@ -9,7 +9,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace vdna
+namespace vdna::simulate
 {
 
 enum class Kind {
@@ -69,4 +69,4 @@ class Route
     double phase_[4]; // of the bends and of the hills
 };
 
-} // namespace vdna
+} // namespace vdna::simulate

@@ -3,18 +3,20 @@
 #include <cstring>
 #include <set>
 
-#include "activation_store.hpp"
-#include "commands.hpp"
-#include "experience.hpp"
-#include "histogram.hpp"
-#include "interrupt/interrupt.hpp"
-#include "options.hpp"
-#include "print.hpp"
-#include "ranges.hpp"
-#include "recording.hpp"
-#include "staged_files.hpp"
+#include <vdna/cpp/histogram.hpp>
 
-namespace vdna
+#include "program/exit_code.hpp"
+#include "program/interrupt.hpp"
+#include "program/print.hpp"
+#include "program/staged_files.hpp"
+#include "record/activation_store.hpp"
+#include "record/experiences.hpp"
+#include "record/ranges.hpp"
+#include "record/recording.hpp"
+#include "vdna/commands.hpp"
+#include "vdna/options.hpp"
+
+namespace vdna::tool
 {
 
 namespace
@@ -29,7 +31,7 @@ struct BuildOptions {
     std::string map;
     std::vector<std::string> sources;
     NetworkOptions network;
-    SourceOptions source;
+    frames::SourceOptions source;
     uint32_t bins = 0; // 0 = those of the map, else the library's default
     std::string ranges;
     uint32_t range_rule = VDNA_RANGE_ABOUT_MIDPOINT;
@@ -43,7 +45,7 @@ struct Draft {
     std::string source;
     std::string name;
     fs::path file;
-    Recording recording;
+    record::Recording recording;
     std::optional<Histogram> histogram; // once the ranges are known
 };
 
@@ -67,24 +69,23 @@ void require_name(const std::string &name, const std::string &source)
     };
     if (name.empty() || name.size() >= VDNA_MAP_NAME_SIZE || name[0] == '.' ||
         !std::all_of(name.begin(), name.end(), allowed))
-        throw Error(source + ": cannot be the experience '" + name +
-                        "', expected 1 to 63 letters, digits, '.', '_' or '-' and no '.' first; "
-                        "set --name",
-                    exit_usage);
+        throw program::UsageError(
+            source + ": cannot be the experience '" + name +
+            "', expected 1 to 63 letters, digits, '.', '_' or '-' and no '.' first; "
+            "set --name");
 }
 
 // What is to be made, refused before any work if a name is taken.
 std::vector<Draft> drafts_of(const BuildOptions &options)
 {
     if (!options.name.empty() && options.sources.size() > 1)
-        throw Error("--name names one experience, but there are " +
-                        std::to_string(options.sources.size()) + " sources",
-                    exit_usage);
+        throw program::UsageError("--name names one experience, but there are " +
+                                  std::to_string(options.sources.size()) + " sources");
     const auto is_folder = [](const std::string &source) { return fs::is_directory(source); };
     if (!options.source.labels.empty() && options.sources.size() > 1 &&
         !std::all_of(options.sources.begin(), options.sources.end(), is_folder))
-        throw Error("--labels numbers the frames of one video or log; build them one by one",
-                    exit_usage);
+        throw program::UsageError(
+            "--labels numbers the frames of one video or log; build them one by one");
     std::vector<Draft> drafts;
     std::set<std::string> names;
     for (const std::string &source : options.sources) {
@@ -94,9 +95,8 @@ std::vector<Draft> drafts_of(const BuildOptions &options)
         require_name(draft.name, source);
         draft.file = fs::path(options.map) / (draft.name + VDNA_MAP_EXTENSION);
         if (!names.insert(draft.name).second)
-            throw Error(source + ": another source also becomes the experience " + draft.name +
-                            "; build them one by one with --name",
-                        exit_usage);
+            throw program::UsageError(source + ": another source also becomes the experience " +
+                                      draft.name + "; build them one by one with --name");
         if (fs::exists(draft.file) && !options.force)
             throw Error(draft.file.string() + ": exists already; replace it with --force, or "
                                               "choose another --name");
@@ -111,7 +111,7 @@ std::vector<Experience> remaining_of(const BuildOptions &options, const std::vec
     std::vector<Experience> remaining;
     if (!fs::exists(options.map))
         return remaining;
-    for (const fs::path &file : experience_files(options.map)) {
+    for (const fs::path &file : record::experience_files(options.map)) {
         const auto replaced = [&](const Draft &draft) { return draft.file == file; };
         if (std::none_of(drafts.begin(), drafts.end(), replaced))
             remaining.emplace_back(file);
@@ -164,10 +164,10 @@ class Build
     {
         if (options_.ranges.empty() && remaining_.empty())
             return false;
-        ranges_ = read_ranges(options_.ranges.empty() ? remaining_.front().path().string()
-                                                      : options_.ranges);
+        ranges_ = record::read_ranges(options_.ranges.empty() ? remaining_.front().path().string()
+                                                              : options_.ranges);
         if (!options_.ranges.empty())
-            require_backbone(ranges_, backbone_.info());
+            record::require_backbone(ranges_, backbone_.info());
         require_comparable();
         return true;
     }
@@ -210,7 +210,7 @@ class Build
     {
         for (Draft &draft : drafts_) {
             draft.histogram.emplace(ranges_.values, bins_);
-            Pass pass(draft.source, options_.source, backbone_);
+            record::Pass pass(draft.source, options_.source, backbone_);
             while (pass.next()) {
                 draft.recording.add(pass);
                 count(draft, pass);
@@ -221,9 +221,9 @@ class Build
 
     void calibrate_and_count()
     {
-        Calibration calibration(backbone_.info());
+        record::Calibration calibration(backbone_.info());
         for (Draft &draft : drafts_) {
-            Pass pass(draft.source, options_.source, backbone_);
+            record::Pass pass(draft.source, options_.source, backbone_);
             while (pass.next()) {
                 draft.recording.add(pass);
                 calibration.observe(pass.output(), pass.frame().name);
@@ -237,7 +237,7 @@ class Build
         store_.complete() ? count_stored() : count_again();
     }
 
-    void count(Draft &draft, const Pass &pass) const
+    void count(Draft &draft, const record::Pass &pass) const
     {
         draft.histogram->add(pass.output().taps, pass.output().tap_count, pass.frame().name);
     }
@@ -256,14 +256,14 @@ class Build
     void count_again()
     {
         for (Draft &draft : drafts_) {
-            for (Pass pass(draft.source, options_.source, backbone_); pass.next();)
+            for (record::Pass pass(draft.source, options_.source, backbone_); pass.next();)
                 count(draft, pass);
             if ((*draft.histogram)->frames != draft.recording.frames)
                 throw Error(draft.source + ": changed while it was read");
         }
     }
 
-    static void require_frames(Draft &draft, const Pass &pass)
+    static void require_frames(Draft &draft, const record::Pass &pass)
     {
         draft.recording.bad = pass.bad();
         if (draft.recording.frames == 0)
@@ -273,18 +273,18 @@ class Build
 
     void write()
     {
-        StagedFiles staged(options_.map);
+        program::StagedFiles staged(options_.map);
         for (const Draft &draft : drafts_) {
-            require_not_interrupted();
+            program::require_not_interrupted();
             staged.write(experience_of(draft), draft.file);
         }
-        require_not_interrupted();
+        program::require_not_interrupted();
         staged.commit();
     }
 
     vdna_experience experience_of(const Draft &draft) const
     {
-        const Recording &r = draft.recording;
+        const record::Recording &r = draft.recording;
         const Histogram &histogram = *draft.histogram;
         vdna_experience e = blank();
         set_text(e.name, draft.name);
@@ -305,7 +305,7 @@ class Build
             std::cout << draft.file.string() << ": " << draft.recording.frames << " frames, "
                       << backbone_.info().neurons << " neurons x " << bins_ << " bins, "
                       << fs::file_size(draft.file) << " bytes, "
-                      << fixed(100 * draft.histogram->saturated_share(), 2)
+                      << program::fixed(100 * draft.histogram->saturated_share(), 2)
                       << " % beyond the ranges";
             if (draft.recording.bad > 0)
                 std::cout << ", " << draft.recording.bad << " bad frames left out";
@@ -315,7 +315,7 @@ class Build
 
     void report_json() const
     {
-        Json experiences = Json::array();
+        program::Json experiences = program::Json::array();
         for (const Draft &draft : drafts_)
             experiences.push_back({{"experience", draft.name},
                                    {"file", draft.file.string()},
@@ -326,18 +326,18 @@ class Build
                                    {"bins", bins_},
                                    {"bytes", fs::file_size(draft.file)},
                                    {"saturated_share", draft.histogram->saturated_share()}});
-        print_json({{"map", options_.map},
-                    {"backbone", backbone_.info().name},
-                    {"ranges", ranges_.origin},
-                    {"experiences", experiences}});
+        program::print_json({{"map", options_.map},
+                             {"backbone", backbone_.info().name},
+                             {"ranges", ranges_.origin},
+                             {"experiences", experiences}});
     }
 
     const BuildOptions &options_;
     std::vector<Draft> drafts_;
     std::vector<Experience> remaining_;
     Backbone backbone_;
-    ActivationStore store_;
-    Ranges ranges_;
+    record::ActivationStore store_;
+    record::Ranges ranges_;
     uint32_t bins_;
 };
 
@@ -384,4 +384,4 @@ void add_build(CLI::App &app)
     command->callback([options] { Build(*options).run(); });
 }
 
-} // namespace vdna
+} // namespace vdna::tool

@@ -1,11 +1,11 @@
 // vdna calibrate - find the ranges of a backbone from pictures, and keep them in a file.
-#include "commands.hpp"
-#include "options.hpp"
-#include "pass.hpp"
-#include "print.hpp"
-#include "ranges.hpp"
+#include "program/print.hpp"
+#include "record/pass.hpp"
+#include "record/ranges.hpp"
+#include "vdna/commands.hpp"
+#include "vdna/options.hpp"
 
-namespace vdna
+namespace vdna::tool
 {
 
 namespace
@@ -15,7 +15,7 @@ struct CalibrateOptions {
     std::string out;
     std::vector<std::string> sources;
     NetworkOptions network;
-    SourceOptions source;
+    frames::SourceOptions source;
     uint32_t rule = VDNA_RANGE_ABOUT_MIDPOINT;
     bool force = false;
 };
@@ -26,17 +26,17 @@ void calibrate(CalibrateOptions options)
         throw Error(options.out + ": exists already; replace it with --force");
     options.source.labelled = false;
     Backbone backbone(options.network.backbone, options.network.threads);
-    Calibration calibration(backbone.info());
+    record::Calibration calibration(backbone.info());
     uint64_t frames = 0, bad = 0;
     for (const std::string &source : options.sources) {
-        Pass pass(source, options.source, backbone);
+        record::Pass pass(source, options.source, backbone);
         for (; pass.next(); frames++)
             calibration.observe(pass.output(), pass.frame().name);
         bad += pass.bad();
     }
     if (frames == 0)
         throw Error("none of the " + std::to_string(bad) + " frames can be used");
-    write_ranges(calibration.ranges(options.rule), options.rule, options.out);
+    record::write_ranges(calibration.ranges(options.rule), options.rule, options.out);
     std::cout << options.out << ": ranges of " << backbone.info().neurons << " neurons from "
               << frames << " frames\n";
 }
@@ -65,4 +65,4 @@ void add_calibrate(CLI::App &app)
     command->callback([options] { calibrate(*options); });
 }
 
-} // namespace vdna
+} // namespace vdna::tool

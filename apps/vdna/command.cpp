@@ -4,10 +4,11 @@
 
 #include <vdna_msg_command_t.h>
 
-#include "commands.hpp"
-#include "connection.hpp"
+#include <vdna/cpp/connection.hpp>
 
-namespace vdna
+#include "vdna/commands.hpp"
+
+namespace vdna::tool
 {
 
 namespace
@@ -60,4 +61,4 @@ void add_command(CLI::App &app)
     command->callback([options] { send_command(*options); });
 }
 
-} // namespace vdna
+} // namespace vdna::tool

@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace vdna
+namespace vdna::tool
 {
 
 void add_build(CLI::App &app);
@@ -20,4 +20,4 @@ void add_eval(CLI::App &app);
 void add_metrics(CLI::App &app);
 void add_model(CLI::App &app);
 
-} // namespace vdna
+} // namespace vdna::tool

@@ -4,18 +4,19 @@
 
 #include <unistd.h>
 
-#include "commands.hpp"
 #include "eval/ablation.hpp"
-#include "eval/report/report.hpp"
-#include "eval/result_json.hpp"
-#include "eval/result_npy.hpp"
-#include "eval/result_tables.hpp"
-#include "options.hpp"
-#include "ranges.hpp"
-#include "warmup.hpp"
-#include "whole_file.hpp"
+#include "program/exit_code.hpp"
+#include "program/whole_file.hpp"
+#include "record/ranges.hpp"
+#include "record/warmup.hpp"
+#include "report/report.hpp"
+#include "report/result_json.hpp"
+#include "report/result_npy.hpp"
+#include "report/result_tables.hpp"
+#include "vdna/commands.hpp"
+#include "vdna/options.hpp"
 
-namespace vdna
+namespace vdna::tool
 {
 
 namespace
@@ -24,9 +25,9 @@ namespace
 struct EvalOptions {
     std::string dataset;
     std::string format; // "" = detected
-    size_t partition_frames = nordland_partition_frames;
+    size_t partition_frames = frames::nordland_partition_frames;
     NetworkOptions network;
-    FramesOptions frames;
+    eval::FramesOptions frames;
     std::vector<std::string> exclude, queries, references, taps;
     std::vector<std::string> warmup;
     std::vector<uint32_t> bins;
@@ -43,28 +44,27 @@ bool contains(const std::vector<std::string> &names, const std::string &name)
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-void require_known(const Dataset &dataset, const std::vector<std::string> &names,
+void require_known(const frames::Dataset &dataset, const std::vector<std::string> &names,
                    const std::string &option)
 {
     std::string known;
-    for (const DatasetTraversal &traversal : dataset.traversals)
+    for (const frames::DatasetTraversal &traversal : dataset.traversals)
         known += " " + traversal.name;
     for (const std::string &name : names)
         if (std::none_of(dataset.traversals.begin(), dataset.traversals.end(),
-                         [&](const DatasetTraversal &t) { return t.name == name; }))
-            throw Error(option + ": no traversal '" + name + "' in " + dataset.path +
-                            ", expected one of:" + known,
-                        exit_usage);
+                         [&](const frames::DatasetTraversal &t) { return t.name == name; }))
+            throw program::UsageError(option + ": no traversal '" + name + "' in " + dataset.path +
+                                      ", expected one of:" + known);
 }
 
 // Only the traversals that take part go through the network.
-Dataset dataset_of(const EvalOptions &o)
+frames::Dataset dataset_of(const EvalOptions &o)
 {
-    Dataset dataset = load_dataset(o.dataset, o.format, o.partition_frames);
+    frames::Dataset dataset = frames::load_dataset(o.dataset, o.format, o.partition_frames);
     require_known(dataset, o.exclude, "--exclude");
     require_known(dataset, o.queries, "--queries");
     require_known(dataset, o.references, "--references");
-    const auto is_idle = [&](const DatasetTraversal &t) {
+    const auto is_idle = [&](const frames::DatasetTraversal &t) {
         const bool query = o.queries.empty() || contains(o.queries, t.name);
         const bool reference = o.references.empty() || contains(o.references, t.name);
         return contains(o.exclude, t.name) || (!query && !reference);
@@ -73,8 +73,8 @@ Dataset dataset_of(const EvalOptions &o)
         std::remove_if(dataset.traversals.begin(), dataset.traversals.end(), is_idle),
         dataset.traversals.end());
     if (dataset.traversals.size() < 2)
-        throw Error(o.dataset + ": the options leave fewer than two traversals to compare",
-                    exit_usage);
+        throw program::UsageError(o.dataset +
+                                  ": the options leave fewer than two traversals to compare");
     return dataset;
 }
 
@@ -84,20 +84,19 @@ void require_single(const std::vector<Value> &values, const std::string &option,
                     const std::vector<std::string> &ablate, const std::string &kind)
 {
     if (values.size() > 1 && !contains(ablate, kind))
-        throw Error(option + ": found " + std::to_string(values.size()) +
-                        " values, expected one; a list needs --ablate " + kind,
-                    exit_usage);
+        throw program::UsageError(option + ": found " + std::to_string(values.size()) +
+                                  " values, expected one; a list needs --ablate " + kind);
 }
 
-EvaluationSettings settings_of(const EvalOptions &o, const Dataset &dataset)
+eval::EvaluationSettings settings_of(const EvalOptions &o, const frames::Dataset &dataset)
 {
     require_single(o.bins, "--bins", o.ablate, "bins");
     require_single(o.warmup, "--warmup", o.ablate, "warmup");
     for (const std::string &text : o.warmup)
-        warmup_of(text);
-    EvaluationSettings settings;
+        record::warmup_of(text);
+    eval::EvaluationSettings settings;
     settings.bins = o.bins.size() == 1 ? o.bins[0] : VDNA_HIST_BINS_DEFAULT;
-    settings.warmup = o.warmup.size() == 1 ? o.warmup[0] : usual_warmup(dataset);
+    settings.warmup = o.warmup.size() == 1 ? o.warmup[0] : frames::usual_warmup(dataset);
     settings.tolerance = o.tolerance.value_or(dataset.tolerance);
     settings.stride = o.stride.value_or(dataset.stride);
     settings.taps = o.taps;
@@ -106,27 +105,27 @@ EvaluationSettings settings_of(const EvalOptions &o, const Dataset &dataset)
     return settings;
 }
 
-void write_results(const EvalOptions &o, const Evaluation &evaluation,
-                   const std::vector<Ablation> &ablations)
+void write_results(const EvalOptions &o, const eval::Evaluation &evaluation,
+                   const std::vector<eval::Ablation> &ablations)
 {
     if (o.json == "-")
-        print_json(json_of(evaluation, ablations));
+        program::print_json(report::json_of(evaluation, ablations));
     else
-        std::cout << tables_of(evaluation, isatty(STDOUT_FILENO) == 1);
-    for (const Ablation &ablation : ablations)
+        std::cout << report::tables_of(evaluation, isatty(STDOUT_FILENO) == 1);
+    for (const eval::Ablation &ablation : ablations)
         if (o.json != "-")
-            std::cout << "\nAblation: " << ablation.kind << '\n' << table_of(ablation);
+            std::cout << "\nAblation: " << ablation.kind << '\n' << report::table_of(ablation);
     if (!o.json.empty() && o.json != "-")
-        write_whole_file(
-            o.json,
-            json_of(evaluation, ablations).dump(2, ' ', false, Json::error_handler_t::replace) +
-                "\n");
+        program::write_whole_file(
+            o.json, report::json_of(evaluation, ablations)
+                            .dump(2, ' ', false, program::Json::error_handler_t::replace) +
+                        "\n");
     if (!o.csv.empty())
-        write_whole_file(o.csv, csv_of(evaluation));
+        program::write_whole_file(o.csv, report::csv_of(evaluation));
     if (!o.npy.empty())
-        write_npy_files(evaluation, o.npy);
+        report::write_npy_files(evaluation, o.npy);
     if (!o.html.empty())
-        write_whole_file(o.html, report_of(evaluation, ablations, o.command_line));
+        program::write_whole_file(o.html, report::report_of(evaluation, ablations, o.command_line));
 }
 
 // What was given on the command line, in the order of the help.
@@ -146,18 +145,18 @@ std::string command_line_of(const CLI::App &command)
 
 void run(const EvalOptions &o)
 {
-    const Dataset dataset = dataset_of(o);
-    const EvaluationSettings settings = settings_of(o, dataset);
+    const frames::Dataset dataset = dataset_of(o);
+    const eval::EvaluationSettings settings = settings_of(o, dataset);
     Backbone backbone(o.network.backbone.empty() ? default_backbone : o.network.backbone,
                       o.network.threads);
-    const Cache cache(o.cache);
-    Frames frames(dataset, backbone, cache, o.frames);
-    Binning binning(frames, o.taps, o.range_rule);
-    Evaluation evaluation = evaluate(frames, binning, settings);
+    const eval::Cache cache(o.cache);
+    eval::Frames frames(dataset, backbone, cache, o.frames);
+    eval::Binning binning(frames, o.taps, o.range_rule);
+    eval::Evaluation evaluation = eval::evaluate(frames, binning, settings);
     evaluation.dataset = o.dataset;
-    std::vector<Ablation> ablations;
+    std::vector<eval::Ablation> ablations;
     for (const std::string &kind : o.ablate)
-        ablations.push_back(ablate(frames, settings, {kind, o.bins, o.warmup, o.range_rule}));
+        ablations.push_back(eval::ablate(frames, settings, {kind, o.bins, o.warmup, o.range_rule}));
     write_results(o, evaluation, ablations);
 }
 
@@ -171,7 +170,7 @@ void add_dataset_options(CLI::App &command, EvalOptions &o)
                     "folders (labels.csv in each), manifest (manifest.csv), nordland, parks (as "
                     "folders, but 45 s of warmup and GPS), utm (positions in picture names); "
                     "default: found out, except parks")
-        ->check(CLI::IsMember(dataset_formats).description(""))
+        ->check(CLI::IsMember(frames::dataset_formats).description(""))
         ->type_name("NAME");
     command
         .add_option("--partition-frames", o.partition_frames,
@@ -227,7 +226,7 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
                     "also change one thing and tell what becomes of the ranking: bins, warmup "
                     "(--bins and --warmup may then be lists: 10,50,100), tap, leave-one-out")
         ->delimiter(',')
-        ->check(CLI::IsMember(ablation_kinds).description(""))
+        ->check(CLI::IsMember(eval::ablation_kinds).description(""))
         ->type_name("WHAT");
 }
 
@@ -275,4 +274,4 @@ void add_eval(CLI::App &app)
     });
 }
 
-} // namespace vdna
+} // namespace vdna::tool

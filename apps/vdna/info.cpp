@@ -2,12 +2,13 @@
 #include <algorithm>
 #include <numeric>
 
-#include "commands.hpp"
-#include "error.hpp"
-#include "experience.hpp"
-#include "print.hpp"
+#include <vdna/cpp/error.hpp>
 
-namespace vdna
+#include "program/print.hpp"
+#include "record/experiences.hpp"
+#include "vdna/commands.hpp"
+
+namespace vdna::tool
 {
 
 namespace
@@ -20,7 +21,7 @@ struct InfoOptions {
 
 // Least and greatest of `count` numbers that lie `stride` apart.
 template <typename Number>
-Json bounds_of(const Number *values, size_t count, size_t stride = 1)
+program::Json bounds_of(const Number *values, size_t count, size_t stride = 1)
 {
     Number lo = values[0], hi = values[0];
     for (size_t i = 0; i < count; i++) {
@@ -30,9 +31,9 @@ Json bounds_of(const Number *values, size_t count, size_t stride = 1)
     return {lo, hi};
 }
 
-Json labels_of(const vdna_experience &e)
+program::Json labels_of(const vdna_experience &e)
 {
-    Json labels = Json::object();
+    program::Json labels = program::Json::object();
     if (e.frame_place)
         labels["place"] = bounds_of(e.frame_place, e.frames);
     if (e.frame_position)
@@ -41,7 +42,7 @@ Json labels_of(const vdna_experience &e)
     return labels;
 }
 
-Json json_of(const Experience &file)
+program::Json json_of(const Experience &file)
 {
     const vdna_experience &e = *file.get();
     const double grey = std::accumulate(e.frame_grey, e.frame_grey + e.frames, 0.0) / e.frames;
@@ -64,7 +65,7 @@ Json json_of(const Experience &file)
             {"comparable", e.comparable}};
 }
 
-void print_text(const Json &json)
+void print_text(const program::Json &json)
 {
     for (const auto &[key, value] : json.items()) {
         const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
@@ -87,9 +88,9 @@ std::string mismatch_of(const std::vector<Experience> &files)
 void info(const InfoOptions &options)
 {
     std::vector<std::string> mismatches;
-    Json experiences = Json::array();
+    program::Json experiences = program::Json::array();
     for (const std::string &path : options.paths) {
-        const std::vector<Experience> files = open_experiences({path});
+        const std::vector<Experience> files = record::open_experiences({path});
         for (const Experience &file : files)
             experiences.push_back(json_of(file));
         const std::string mismatch = mismatch_of(files);
@@ -97,9 +98,9 @@ void info(const InfoOptions &options)
             mismatches.push_back(mismatch);
     }
     if (options.json)
-        print_json({{"experiences", experiences}, {"mismatches", mismatches}});
+        program::print_json({{"experiences", experiences}, {"mismatches", mismatches}});
     else
-        for (const Json &experience : experiences)
+        for (const program::Json &experience : experiences)
             print_text(experience);
     if (!mismatches.empty())
         throw Error(mismatches.front() + "; rebuild it with `vdna build --force`");
@@ -124,4 +125,4 @@ void add_info(CLI::App &app)
     command->callback([options] { info(*options); });
 }
 
-} // namespace vdna
+} // namespace vdna::tool

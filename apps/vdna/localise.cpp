@@ -2,14 +2,16 @@
 #include <cmath>
 #include <iomanip>
 
-#include "candidates.hpp"
-#include "commands.hpp"
-#include "difference_matrix.hpp"
-#include "localisation.hpp"
-#include "options.hpp"
-#include "print.hpp"
+#include <vdna/cpp/map.hpp>
 
-namespace vdna
+#include "program/print.hpp"
+#include "record/candidates.hpp"
+#include "record/localisation.hpp"
+#include "report/difference_matrix.hpp"
+#include "vdna/commands.hpp"
+#include "vdna/options.hpp"
+
+namespace vdna::tool
 {
 
 namespace
@@ -19,7 +21,7 @@ struct LocaliseOptions {
     std::string live;
     std::string map;
     NetworkOptions network;
-    SourceOptions source;
+    frames::SourceOptions source;
     std::vector<std::string> in;
     double tolerance = 5;
     std::string matrix;
@@ -27,15 +29,15 @@ struct LocaliseOptions {
     bool json = false;
 };
 
-Recording record(const LocaliseOptions &options, const Map &map)
+record::Recording record(const LocaliseOptions &options, const Map &map)
 {
     const NetworkOptions &network = options.network;
     Backbone backbone(network.backbone.empty() ? map.experiences().front().backbone
                                                : network.backbone,
                       network.threads);
     map.require_backbone(backbone.info());
-    Recording live;
-    Pass pass(options.live, options.source, backbone);
+    record::Recording live;
+    record::Pass pass(options.live, options.source, backbone);
     while (pass.next())
         live.add(pass);
     live.bad = pass.bad();
@@ -49,89 +51,92 @@ std::vector<const vdna_experience *> picked_from(const Map &map,
                                                  const std::vector<std::string> &names)
 {
     std::vector<const vdna_experience *> picked;
-    for (const size_t i : names.empty() ? all_but(map, {}) : named_in(map, names))
+    for (const size_t i : names.empty() ? record::all_but(map, {}) : record::named_in(map, names))
         picked.push_back(&map.experiences()[i]);
     return picked;
 }
 
-void report_line(const Localisation &l, int width)
+void report_line(const record::Localisation &l, int width)
 {
     std::cout << std::left << std::setw(width) << l.experience << std::right;
-    if (l.unit == Unit::none)
+    if (l.unit == record::Unit::none)
         std::cout << "         -         -            -  not labelled alike\n";
     else
-        std::cout << std::setw(10) << fixed(l.recall_percent(), 2) << std::setw(10) << l.good()
-                  << std::setw(13) << l.unreachable() << '\n';
+        std::cout << std::setw(10) << program::fixed(l.recall_percent(), 2) << std::setw(10)
+                  << l.good() << std::setw(13) << l.unreachable() << '\n';
 }
 
-void report(const LocaliseOptions &options, const Recording &live,
-            const std::vector<Localisation> &results)
+void report(const LocaliseOptions &options, const record::Recording &live,
+            const std::vector<record::Localisation> &results)
 {
     size_t width = std::string("experience").size();
-    for (const Localisation &l : results)
+    for (const record::Localisation &l : results)
         width = std::max(width, l.experience.size());
     std::cout << options.live << ": " << live.frames << " frames";
     if (live.bad > 0)
         std::cout << ", " << live.bad << " bad ones left out";
-    if (results.front().unit != Unit::none)
+    if (results.front().unit != record::Unit::none)
         std::cout << ", tolerance " << options.tolerance << ' ' << name_of(results.front().unit);
     std::cout << '\n'
               << std::left << std::setw(static_cast<int>(width)) << "experience" << std::right
               << "  recall/%      good  unreachable\n";
-    for (const Localisation &l : results)
+    for (const record::Localisation &l : results)
         report_line(l, static_cast<int>(width));
     if (results.size() > 1)
-        report_line(composite_of(results), static_cast<int>(width));
+        report_line(record::composite_of(results), static_cast<int>(width));
 }
 
-Json json_of(const Localisation &l, const Recording &live, bool with_matches)
+program::Json json_of(const record::Localisation &l, const record::Recording &live,
+                      bool with_matches)
 {
-    const bool labelled = l.unit != Unit::none;
-    Json json = {{"experience", l.experience},
-                 {"unit", labelled ? Json(name_of(l.unit)) : Json()},
-                 {"recall_percent", labelled ? Json(l.recall_percent()) : Json()},
-                 {"good", labelled ? Json(l.good()) : Json()},
-                 {"unreachable", labelled ? Json(l.unreachable()) : Json()}};
+    const bool labelled = l.unit != record::Unit::none;
+    program::Json json = {
+        {"experience", l.experience},
+        {"unit", labelled ? program::Json(name_of(l.unit)) : program::Json()},
+        {"recall_percent", labelled ? program::Json(l.recall_percent()) : program::Json()},
+        {"good", labelled ? program::Json(l.good()) : program::Json()},
+        {"unreachable", labelled ? program::Json(l.unreachable()) : program::Json()}};
     if (!with_matches)
         return json;
-    json["matches"] = Json::array();
+    json["matches"] = program::Json::array();
     for (size_t i = 0; i < l.matches.size(); i++) {
-        const Match &match = l.matches[i];
-        json["matches"].push_back({{"live_frame", live.index[i]},
-                                   {"utime", live.utime[i]},
-                                   {"experience", match.experience->name},
-                                   {"frame", match.frame},
-                                   {"frame_utime", match.experience->frame_utime[match.frame]},
-                                   {"distance", match.distance},
-                                   {"good", labelled ? Json(match.good) : Json()}});
+        const record::Match &match = l.matches[i];
+        json["matches"].push_back(
+            {{"live_frame", live.index[i]},
+             {"utime", live.utime[i]},
+             {"experience", match.experience->name},
+             {"frame", match.frame},
+             {"frame_utime", match.experience->frame_utime[match.frame]},
+             {"distance", match.distance},
+             {"good", labelled ? program::Json(match.good) : program::Json()}});
     }
     return json;
 }
 
-void report_json(const LocaliseOptions &options, const Recording &live,
-                 const std::vector<Localisation> &results)
+void report_json(const LocaliseOptions &options, const record::Recording &live,
+                 const std::vector<record::Localisation> &results)
 {
-    Json candidates = Json::array();
-    for (const Localisation &l : results)
+    program::Json candidates = program::Json::array();
+    for (const record::Localisation &l : results)
         candidates.push_back(json_of(l, live, options.matches));
-    print_json({{"live", options.live},
-                {"frames", live.frames},
-                {"bad_frames", live.bad},
-                {"tolerance", options.tolerance},
-                {"candidates", candidates},
-                {"all", json_of(composite_of(results), live, options.matches)}});
+    program::print_json({{"live", options.live},
+                         {"frames", live.frames},
+                         {"bad_frames", live.bad},
+                         {"tolerance", options.tolerance},
+                         {"candidates", candidates},
+                         {"all", json_of(record::composite_of(results), live, options.matches)}});
 }
 
 void localise(const LocaliseOptions &options)
 {
     const Map map(options.map);
     const std::vector<const vdna_experience *> picked = picked_from(map, options.in);
-    const Recording live = record(options, map);
-    std::vector<Localisation> results;
+    const record::Recording live = record(options, map);
+    std::vector<record::Localisation> results;
     for (const vdna_experience *experience : picked)
-        results.push_back(localise_in(*experience, live, options.tolerance));
+        results.push_back(record::localise_in(*experience, live, options.tolerance));
     if (!options.matrix.empty())
-        draw_difference_matrices(live, picked, results, options.matrix);
+        report::draw_difference_matrices(live, picked, results, options.matrix);
     options.json ? report_json(options, live, results) : report(options, live, results);
 }
 
@@ -180,4 +185,4 @@ void add_localise(CLI::App &app)
     command->callback([options] { localise(*options); });
 }
 
-} // namespace vdna
+} // namespace vdna::tool

@@ -1,29 +1,30 @@
 // vdna - one command for maps. The sub-commands are in files of their own.
 #include <iostream>
 
+#include <vdna/cpp/error.hpp>
 #include <vdna/version.h>
 
-#include "commands.hpp"
-#include "error.hpp"
-#include "interrupt/interrupt.hpp"
+#include "program/exit_code.hpp"
+#include "program/interrupt.hpp"
+#include "vdna/commands.hpp"
 
 namespace
 {
 
 void add_commands(CLI::App &app)
 {
-    vdna::add_build(app);
-    vdna::add_calibrate(app);
-    vdna::add_info(app);
-    vdna::add_rank(app);
-    vdna::add_localise(app);
-    vdna::add_play(app);
-    vdna::add_watch(app);
-    vdna::add_command(app);
-    vdna::add_simulate(app);
-    vdna::add_eval(app);
-    vdna::add_metrics(app);
-    vdna::add_model(app);
+    vdna::tool::add_build(app);
+    vdna::tool::add_calibrate(app);
+    vdna::tool::add_info(app);
+    vdna::tool::add_rank(app);
+    vdna::tool::add_localise(app);
+    vdna::tool::add_play(app);
+    vdna::tool::add_watch(app);
+    vdna::tool::add_command(app);
+    vdna::tool::add_simulate(app);
+    vdna::tool::add_eval(app);
+    vdna::tool::add_metrics(app);
+    vdna::tool::add_model(app);
 }
 
 int fail(const std::string &sentence, int code)
@@ -51,7 +52,7 @@ void run(CLI::App &app, int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    vdna::catch_interrupts();
+    vdna::program::catch_interrupts();
     CLI::App app("Onboard experience selection: make maps of recorded traversals, rank them by "
                  "Visual DNA, localise in them",
                  "vdna");
@@ -62,12 +63,12 @@ int main(int argc, char **argv)
     add_commands(app);
     try {
         run(app, argc, argv);
-        return vdna::exit_ok;
+        return vdna::program::exit_ok;
     } catch (const CLI::ParseError &e) {
-        return fail(std::string(e.what()) + "; see vdna --help", vdna::exit_usage);
+        return fail(std::string(e.what()) + "; see vdna --help", vdna::program::exit_usage);
     } catch (const vdna::Error &e) {
-        return fail(e.what(), e.code());
+        return fail(e.what(), vdna::program::exit_code_of(e));
     } catch (const std::exception &e) {
-        return fail(e.what(), vdna::exit_failed);
+        return fail(e.what(), vdna::program::exit_failed);
     }
 }

@@ -1,12 +1,12 @@
 // vdna metrics - judge published tables of recalls and distances, without pictures.
 #include <fstream>
 
-#include "commands.hpp"
 #include "eval/published_table.hpp"
-#include "eval/result_json.hpp"
-#include "eval/result_tables.hpp"
+#include "report/result_json.hpp"
+#include "report/result_tables.hpp"
+#include "vdna/commands.hpp"
 
-namespace vdna
+namespace vdna::tool
 {
 
 namespace
@@ -17,40 +17,40 @@ struct MetricsOptions {
     bool json = false;
 };
 
-Json parse(std::istream &stream, const std::string &name)
+program::Json parse(std::istream &stream, const std::string &name)
 {
     try {
-        return Json::parse(stream);
-    } catch (const Json::parse_error &e) {
+        return program::Json::parse(stream);
+    } catch (const program::Json::parse_error &e) {
         // Not its text, which repeats bytes of the file.
         throw Error(name + ": not JSON at byte " + std::to_string(e.byte) +
                     ", expected an object of recalls and distances");
-    } catch (const Json::exception &) {
+    } catch (const program::Json::exception &) {
         throw Error(name + ": not JSON, expected an object of recalls and distances");
     }
 }
 
-std::vector<MethodResult> judge(const std::string &file)
+std::vector<eval::MethodResult> judge(const std::string &file)
 {
     if (file == "-")
-        return judge_published(parse(std::cin, "standard input"), "standard input");
+        return eval::judge_published(parse(std::cin, "standard input"), "standard input");
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
         throw Error(file + ": cannot open, expected a JSON file of recalls and distances");
-    return judge_published(parse(stream, file), file);
+    return eval::judge_published(parse(stream, file), file);
 }
 
 void report(const MetricsOptions &options)
 {
-    const std::vector<MethodResult> results = judge(options.file);
+    const std::vector<eval::MethodResult> results = judge(options.file);
     if (!options.json) {
-        std::cout << error_table(results);
+        std::cout << report::error_table(results);
         return;
     }
-    Json methods = Json::object();
-    for (const MethodResult &result : results)
-        methods[result.name] = json_of(result.metrics);
-    print_json({{"methods", methods}});
+    program::Json methods = program::Json::object();
+    for (const eval::MethodResult &result : results)
+        methods[result.name] = report::json_of(result.metrics);
+    program::print_json({{"methods", methods}});
 }
 
 } // namespace
@@ -74,4 +74,4 @@ void add_metrics(CLI::App &app)
     command->callback([options] { report(*options); });
 }
 
-} // namespace vdna
+} // namespace vdna::tool

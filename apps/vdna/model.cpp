@@ -1,16 +1,16 @@
 // vdna model - networks: compare two precisions of one, and write what one is given.
 #include <algorithm>
 
-#include "commands.hpp"
 #include "eval/evaluate.hpp"
-#include "eval/npy.hpp"
 #include "eval/precision_change.hpp"
-#include "eval/result_json.hpp"
-#include "eval/text_table.hpp"
-#include "options.hpp"
-#include "pass.hpp"
+#include "program/text_table.hpp"
+#include "record/pass.hpp"
+#include "report/npy.hpp"
+#include "report/result_json.hpp"
+#include "vdna/commands.hpp"
+#include "vdna/options.hpp"
 
-namespace vdna
+namespace vdna::tool
 {
 
 namespace
@@ -31,16 +31,16 @@ struct CheckOptions {
 struct InputsOptions {
     NetworkOptions network;
     std::vector<std::string> sources;
-    SourceOptions source;
+    frames::SourceOptions source;
     std::string npy;
 };
 
 // A network, and all that it makes of the pictures.
 struct Side {
     Backbone backbone;
-    std::optional<Frames> frames;
-    std::optional<Binning> binning;
-    std::optional<Evaluation> evaluation; // nothing for pictures that are no data set
+    std::optional<eval::Frames> frames;
+    std::optional<eval::Binning> binning;
+    std::optional<eval::Evaluation> evaluation; // nothing for pictures that are no data set
 
     Side(const std::string &manifest, uint32_t threads) : backbone(manifest, threads) {}
 };
@@ -52,8 +52,8 @@ struct Latency {
 
 struct CheckResult {
     Latency latency;
-    EmbeddingChange embedding;
-    std::optional<RankingChange> ranking;
+    eval::EmbeddingChange embedding;
+    std::optional<eval::RankingChange> ranking;
 };
 
 void require_one_network(const vdna_backbone_info &a, const vdna_backbone_info &b)
@@ -72,14 +72,14 @@ void require_one_network(const vdna_backbone_info &a, const vdna_backbone_info &
 }
 
 // A folder of pictures is a data set of one traversal, in which nothing can be localised.
-Dataset dataset_of(const std::string &path)
+frames::Dataset dataset_of(const std::string &path)
 {
-    if (fs::exists(fs::path(path) / "manifest.csv") || !holds_pictures(path))
-        return load_dataset(path, "");
-    Dataset dataset;
+    if (fs::exists(fs::path(path) / "manifest.csv") || !frames::holds_pictures(path))
+        return frames::load_dataset(path, "");
+    frames::Dataset dataset;
     dataset.path = path;
     dataset.traversals.push_back({path, "", {}});
-    for (const fs::path &file : pictures_in(path))
+    for (const fs::path &file : frames::pictures_in(path))
         dataset.traversals.front().frames.push_back({file, {}});
     return dataset;
 }
@@ -101,15 +101,15 @@ double median_of(std::vector<double> values)
 }
 
 // Both networks in turn on the same pictures, so that the ratio holds when the machine drifts.
-Latency time(std::array<Side, 2> &sides, const Dataset &dataset)
+Latency time(std::array<Side, 2> &sides, const frames::Dataset &dataset)
 {
     std::vector<fs::path> files;
-    for (const DatasetTraversal &traversal : dataset.traversals)
-        for (const DatasetFrame &frame : traversal.frames)
+    for (const frames::DatasetTraversal &traversal : dataset.traversals)
+        for (const frames::DatasetFrame &frame : traversal.frames)
             files.push_back(frame.file);
     std::vector<double> a, b, ratio;
     for (size_t i = 0; i < files.size(); i += std::max<size_t>(files.size() / timed_pictures, 1)) {
-        const std::vector<uint8_t> picture = read_picture(files[i]);
+        const std::vector<uint8_t> picture = frames::read_picture(files[i]);
         a.push_back(inference_ms(sides[0].backbone, picture, files[i]));
         b.push_back(inference_ms(sides[1].backbone, picture, files[i]));
         ratio.push_back(b.back() / a.back());
@@ -117,47 +117,48 @@ Latency time(std::array<Side, 2> &sides, const Dataset &dataset)
     return {{median_of(a), median_of(b)}, median_of(ratio)};
 }
 
-void evaluate_side(Side &side, const Dataset &dataset)
+void evaluate_side(Side &side, const frames::Dataset &dataset)
 {
-    EvaluationSettings settings;
-    settings.warmup = usual_warmup(dataset);
+    eval::EvaluationSettings settings;
+    settings.warmup = frames::usual_warmup(dataset);
     settings.tolerance = dataset.tolerance;
     settings.stride = dataset.stride;
     side.binning.emplace(*side.frames, settings.taps, VDNA_RANGE_ABOUT_MIDPOINT);
-    side.evaluation = evaluate(*side.frames, *side.binning, settings);
+    side.evaluation = eval::evaluate(*side.frames, *side.binning, settings);
 }
 
-CheckResult compare(std::array<Side, 2> &sides, const Dataset &dataset, const Cache &cache)
+CheckResult compare(std::array<Side, 2> &sides, const frames::Dataset &dataset,
+                    const eval::Cache &cache)
 {
     for (Side &side : sides)
-        side.frames.emplace(dataset, side.backbone, cache, FramesOptions{});
+        side.frames.emplace(dataset, side.backbone, cache, eval::FramesOptions{});
     CheckResult result{};
-    result.embedding = embedding_change(
+    result.embedding = eval::embedding_change(
         sides[0].frames->traversals(), sides[1].frames->traversals(), sides[0].backbone.info().dim);
     if (dataset.traversals.size() > 1) {
         for (Side &side : sides)
             evaluate_side(side, dataset);
-        result.ranking = ranking_change(*sides[0].evaluation, *sides[1].evaluation);
+        result.ranking = eval::ranking_change(*sides[0].evaluation, *sides[1].evaluation);
     }
     result.latency = time(sides, dataset);
     return result;
 }
 
-Json json_of_spread(const Spread &spread)
+program::Json json_of_spread(const eval::Spread &spread)
 {
     return {{"median", spread.median}, {"max", spread.max}};
 }
 
-Json json_of_network(const vdna_backbone_info &backbone)
+program::Json json_of_network(const vdna_backbone_info &backbone)
 {
     return {{"name", backbone.name},
             {"precision", backbone.precision},
             {"model_sha256", backbone.model_sha256}};
 }
 
-Json json_of_check(const std::array<Side, 2> &sides, const CheckResult &result)
+program::Json json_of_check(const std::array<Side, 2> &sides, const CheckResult &result)
 {
-    Json json = {
+    program::Json json = {
         {"networks",
          {json_of_network(sides[0].backbone.info()), json_of_network(sides[1].backbone.info())}},
         {"runtime", sides[0].backbone.info().runtime},
@@ -168,13 +169,13 @@ Json json_of_check(const std::array<Side, 2> &sides, const CheckResult &result)
         {"embedding_cosine_distance", json_of_spread(result.embedding.cosine_distance)}};
     if (!result.ranking)
         return json;
-    const std::vector<Traversal> &traversals = sides[0].frames->traversals();
+    const std::vector<eval::Traversal> &traversals = sides[0].frames->traversals();
     json["pairs"] = result.ranking->pairs;
     json["emd_change_percent"] = json_of_spread(result.ranking->emd_percent);
     json["recall_percent"] = result.ranking->recall;
     for (const Side &side : sides)
-        json["methods"].push_back(json_of(side.evaluation->methods.front().metrics));
-    for (const QueryChange &query : result.ranking->queries)
+        json["methods"].push_back(report::json_of(side.evaluation->methods.front().metrics));
+    for (const eval::QueryChange &query : result.ranking->queries)
         json["queries"].push_back(
             {{"query", traversals[query.traversal].name},
              {"swaps", query.swaps},
@@ -183,29 +184,31 @@ Json json_of_check(const std::array<Side, 2> &sides, const CheckResult &result)
     return json;
 }
 
-void print_spread(TextTable &table, const std::string &what, const Spread &spread, int digits)
+void print_spread(program::TextTable &table, const std::string &what, const eval::Spread &spread,
+                  int digits)
 {
-    table.add_row({what, fixed(spread.median, digits), fixed(spread.max, digits)});
+    table.add_row(
+        {what, program::fixed(spread.median, digits), program::fixed(spread.max, digits)});
 }
 
-void print_both(TextTable &table, const std::string &what, double a, double b, int digits)
+void print_both(program::TextTable &table, const std::string &what, double a, double b, int digits)
 {
-    table.add_row({what, fixed(a, digits), fixed(b, digits)});
+    table.add_row({what, program::fixed(a, digits), program::fixed(b, digits)});
 }
 
-void print_queries(const std::array<Side, 2> &sides, const RankingChange &ranking)
+void print_queries(const std::array<Side, 2> &sides, const eval::RankingChange &ranking)
 {
-    const std::vector<Traversal> &traversals = sides[0].frames->traversals();
+    const std::vector<eval::Traversal> &traversals = sides[0].frames->traversals();
     const vdna_backbone_info &a = sides[0].backbone.info(), &b = sides[1].backbone.info();
-    TextTable table;
+    program::TextTable table;
     table.add_row({"query", "swaps", std::string("first choice, ") + a.precision, b.precision,
                    std::string("its recall/%, ") + a.precision, b.precision});
-    for (const QueryChange &query : ranking.queries)
+    for (const eval::QueryChange &query : ranking.queries)
         table.add_row({traversals[query.traversal].name, std::to_string(query.swaps),
                        traversals[query.first[0]].name, traversals[query.first[1]].name,
-                       fixed(query.recall[0], 2), fixed(query.recall[1], 2)});
+                       program::fixed(query.recall[0], 2), program::fixed(query.recall[1], 2)});
     size_t swaps = 0, changed = 0;
-    for (const QueryChange &query : ranking.queries) {
+    for (const eval::QueryChange &query : ranking.queries) {
         swaps += query.swaps;
         changed += query.first[0] != query.first[1] ? 1 : 0;
     }
@@ -220,7 +223,7 @@ void print_text(const std::array<Side, 2> &sides, const CheckResult &result)
     const vdna_backbone_info &a = sides[0].backbone.info(), &b = sides[1].backbone.info();
     std::cout << a.name << " (" << a.precision << ") and " << b.name << " (" << b.precision << "), "
               << result.embedding.pictures << " pictures\n\n";
-    TextTable changes;
+    program::TextTable changes;
     changes.add_row({"change", "median", "greatest"});
     print_spread(changes, "embedding, relative L2/%", result.embedding.l2_percent, 2);
     print_spread(changes, "embedding, cosine distance", result.embedding.cosine_distance, 6);
@@ -229,10 +232,10 @@ void print_text(const std::array<Side, 2> &sides, const CheckResult &result)
                      result.ranking->emd_percent, 2);
     std::cout << changes.text() << '\n';
 
-    TextTable both;
+    program::TextTable both;
     both.add_row({"", a.precision, b.precision});
     print_both(both, "inference/ms, median", result.latency.ms[0], result.latency.ms[1], 2);
-    both.add_row({"  ratio", "1", fixed(result.latency.ratio, 2)});
+    both.add_row({"  ratio", "1", program::fixed(result.latency.ratio, 2)});
     if (result.ranking) {
         const vdna_ranking_metrics &of_a = sides[0].evaluation->methods.front().metrics;
         const vdna_ranking_metrics &of_b = sides[1].evaluation->methods.front().metrics;
@@ -251,9 +254,9 @@ void check(const CheckOptions &o)
 {
     std::array<Side, 2> sides = {Side(o.manifests[0], o.threads), Side(o.manifests[1], o.threads)};
     require_one_network(sides[0].backbone.info(), sides[1].backbone.info());
-    const CheckResult result = compare(sides, dataset_of(o.pictures), Cache(o.cache));
+    const CheckResult result = compare(sides, dataset_of(o.pictures), eval::Cache(o.cache));
     if (o.json)
-        print_json(json_of_check(sides, result));
+        program::print_json(json_of_check(sides, result));
     else
         print_text(sides, result);
 }
@@ -265,13 +268,13 @@ void write_inputs(InputsOptions o)
     const size_t height = backbone.info().input_height, width = backbone.info().input_width;
     std::vector<float> inputs;
     for (const std::string &source : o.sources)
-        for (Pass pass(source, o.source, backbone); pass.next();)
+        for (record::Pass pass(source, o.source, backbone); pass.next();)
             inputs.insert(inputs.end(), pass.output().input,
                           pass.output().input + 3 * height * width);
     const size_t pictures = inputs.size() / (3 * height * width);
     if (pictures == 0)
         throw Error(o.sources.front() + ": none of its frames can be used");
-    write_npy(o.npy, {pictures, 3, height, width}, inputs);
+    report::write_npy(o.npy, {pictures, 3, height, width}, inputs);
     std::cout << o.npy << ": " << pictures << " pictures\n";
 }
 
@@ -341,4 +344,4 @@ void add_model(CLI::App &app)
     add_inputs(*command);
 }
 
-} // namespace vdna
+} // namespace vdna::tool

@@ -1,10 +1,10 @@
-#include "options.hpp"
+#include "vdna/options.hpp"
 
 #include <map>
 
-#include "ranges.hpp"
+#include "record/ranges.hpp"
 
-namespace vdna
+namespace vdna::tool
 {
 
 const char *const default_backbone = "efficientnet_lite0";
@@ -23,7 +23,7 @@ void add_network_options(CLI::App &command, NetworkOptions &options,
         ->capture_default_str();
 }
 
-void add_source_options(CLI::App &command, SourceOptions &options)
+void add_source_options(CLI::App &command, frames::SourceOptions &options)
 {
     command
         .add_option("--rate", options.rate_hz,
@@ -42,7 +42,7 @@ void add_source_options(CLI::App &command, SourceOptions &options)
                      "leave out pictures that cannot be decoded, and count them");
 }
 
-void add_labels_option(CLI::App &command, SourceOptions &options)
+void add_labels_option(CLI::App &command, frames::SourceOptions &options)
 {
     command
         .add_option("--labels", options.labels,
@@ -55,14 +55,14 @@ void add_labels_option(CLI::App &command, SourceOptions &options)
 void add_range_rule_option(CLI::App &command, uint32_t &rule)
 {
     const std::map<std::string, uint32_t> rules = {
-        {range_rules[VDNA_RANGE_ABOUT_MIDPOINT], VDNA_RANGE_ABOUT_MIDPOINT},
-        {range_rules[VDNA_RANGE_ABOUT_ZERO], VDNA_RANGE_ABOUT_ZERO}};
+        {record::range_rules[VDNA_RANGE_ABOUT_MIDPOINT], VDNA_RANGE_ABOUT_MIDPOINT},
+        {record::range_rules[VDNA_RANGE_ABOUT_ZERO], VDNA_RANGE_ABOUT_ZERO}};
     command
         .add_option("--range-rule", rule,
                     "calibrating: widen what was seen by 1.2 about its midpoint, or about zero")
         ->transform(CLI::CheckedTransformer(rules).description(""))
         ->type_name("midpoint|zero")
-        ->default_str(range_rules[rule]);
+        ->default_str(record::range_rules[rule]);
 }
 
-} // namespace vdna
+} // namespace vdna::tool

@@ -5,9 +5,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "source.hpp"
+#include "frames/source.hpp"
 
-namespace vdna
+namespace vdna::tool
 {
 
 // Which network runs, and how.
@@ -21,10 +21,10 @@ void add_network_options(CLI::App &command, NetworkOptions &options,
                          const std::string &default_backbone);
 
 // --rate, --camera, --every, --skip-bad.
-void add_source_options(CLI::App &command, SourceOptions &options);
+void add_source_options(CLI::App &command, frames::SourceOptions &options);
 
 // --labels.
-void add_labels_option(CLI::App &command, SourceOptions &options);
+void add_labels_option(CLI::App &command, frames::SourceOptions &options);
 
 // --range-rule; rule: VDNA_RANGE_ABOUT_...
 void add_range_rule_option(CLI::App &command, uint32_t &rule);
@@ -32,4 +32,4 @@ void add_range_rule_option(CLI::App &command, uint32_t &rule);
 // The backbone that is used where neither the user nor a map names one.
 extern const char *const default_backbone;
 
-} // namespace vdna
+} // namespace vdna::tool

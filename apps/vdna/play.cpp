@@ -7,13 +7,14 @@
 #include <opencv2/imgcodecs.hpp>
 #include <time.h>
 
-#include "commands.hpp"
-#include "connection.hpp"
-#include "interrupt/interrupt.hpp"
-#include "progress/progress.hpp"
-#include "source.hpp"
+#include <vdna/cpp/connection.hpp>
 
-namespace vdna
+#include "frames/source.hpp"
+#include "program/interrupt.hpp"
+#include "program/progress.hpp"
+#include "vdna/commands.hpp"
+
+namespace vdna::tool
 {
 
 namespace
@@ -21,7 +22,7 @@ namespace
 
 struct PlayOptions {
     std::string source;
-    SourceOptions reading;
+    frames::SourceOptions reading;
     uint64_t frames = std::numeric_limits<uint64_t>::max(); // to send in all
     bool loop = false;
     std::string stamp = "now";
@@ -40,8 +41,8 @@ class Beat
         const int64_t due_us = begin_us_ + static_cast<int64_t>(beats_++ * period_us_);
         const timespec due{due_us / 1000000, due_us % 1000000 * 1000};
         while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) == EINTR)
-            require_not_interrupted();
-        require_not_interrupted();
+            program::require_not_interrupted();
+        program::require_not_interrupted();
     }
 
   private:
@@ -71,7 +72,7 @@ bool is_jpeg(const vdna_image &image)
 
 // A picture in a format that camera messages have: JPEG goes as it is, other files are decoded
 // into `pixels`, from which the result borrows. Throws BadFrame.
-vdna_image as_camera_sends(const Frame &frame, cv::Mat &pixels)
+vdna_image as_camera_sends(const frames::Frame &frame, cv::Mat &pixels)
 {
     vdna_image image = frame.image;
     if (image.pixelformat != VDNA_PIXEL_ENCODED)
@@ -89,7 +90,7 @@ vdna_image as_camera_sends(const Frame &frame, cv::Mat &pixels)
         pixels.release(); // a header that promises too much; said below
     }
     if (pixels.empty())
-        throw BadFrame(frame.name + ": cannot be decoded, expected a picture");
+        throw frames::BadFrame(frame.name + ": cannot be decoded, expected a picture");
     return {pixels.data,
             pixels.total() * pixels.elemSize(),
             static_cast<uint32_t>(pixels.cols),
@@ -98,7 +99,7 @@ vdna_image as_camera_sends(const Frame &frame, cv::Mat &pixels)
             VDNA_PIXEL_BGR3};
 }
 
-void send(vdna_transport *transport, const PlayOptions &options, const Frame &frame)
+void send(vdna_transport *transport, const PlayOptions &options, const frames::Frame &frame)
 {
     cv::Mat pixels;
     const vdna_image image = as_camera_sends(frame, pixels);
@@ -113,12 +114,12 @@ void send(vdna_transport *transport, const PlayOptions &options, const Frame &fr
 uint64_t play_once(vdna_transport *transport, const PlayOptions &options, uint64_t limit,
                    Beat &beat)
 {
-    Source source(options.source, options.reading);
-    Progress bar("playing " + options.source, std::min(limit, source.size()));
+    frames::Source source(options.source, options.reading);
+    program::Progress bar("playing " + options.source, std::min(limit, source.size()));
     uint64_t sent = 0;
     for (bool more = true; more && sent < limit;) {
         try {
-            Frame frame;
+            frames::Frame frame;
             more = source.next(frame);
             if (!more)
                 break;
@@ -126,7 +127,7 @@ uint64_t play_once(vdna_transport *transport, const PlayOptions &options, uint64
             send(transport, options, frame);
             sent++;
             bar.advance();
-        } catch (const BadFrame &bad) {
+        } catch (const frames::BadFrame &bad) {
             std::cerr << "vdna play: " << bad.what() << "; left out\n";
         }
     }
@@ -189,4 +190,4 @@ void add_play(CLI::App &app)
     });
 }
 
-} // namespace vdna
+} // namespace vdna::tool

@@ -1,19 +1,22 @@
 // vdna rank - order experiences by the distance of their Visual DNA to a query.
 #include <iomanip>
 
+#include <vdna/cpp/error.hpp>
+#include <vdna/cpp/map.hpp>
+#include <vdna/cpp/selector.hpp>
+#include <vdna/cpp/taps.hpp>
 #include <vdna/rank.h>
 
-#include "candidates.hpp"
-#include "check.hpp"
-#include "commands.hpp"
-#include "experience.hpp"
-#include "options.hpp"
-#include "pass.hpp"
-#include "print.hpp"
-#include "tap.hpp"
-#include "warmup.hpp"
+#include "program/exit_code.hpp"
+#include "program/print.hpp"
+#include "record/candidates.hpp"
+#include "record/experiences.hpp"
+#include "record/pass.hpp"
+#include "record/warmup.hpp"
+#include "vdna/commands.hpp"
+#include "vdna/options.hpp"
 
-namespace vdna
+namespace vdna::tool
 {
 
 namespace
@@ -22,7 +25,7 @@ namespace
 struct RankOptions {
     std::vector<std::string> paths;
     NetworkOptions network;
-    SourceOptions source;
+    frames::SourceOptions source;
     std::string warmup = "100";
     std::vector<std::string> exclude;
     bool per_tap = false;
@@ -47,9 +50,9 @@ std::vector<double> tap_distances(const vdna_hist_view &query, const vdna_hist_v
 {
     std::vector<int64_t> scratch(vdna_emd_scratch_size(query.neurons) / sizeof(int64_t) + 1);
     std::vector<double> neuron_emd(query.neurons);
-    require_ok(vdna_emd(&query, &candidate, scratch.data(), scratch.size() * sizeof(int64_t),
-                        neuron_emd.data()),
-               "distance per tap");
+    require(vdna_emd(&query, &candidate, scratch.data(), scratch.size() * sizeof(int64_t),
+                     neuron_emd.data()),
+            "distance per tap");
     return tap_means(neuron_emd, taps);
 }
 
@@ -64,10 +67,10 @@ void add_taps(Ranking &ranking, const std::string &taps, const vdna_hist_view &q
 // The first experience file against the others.
 Ranking rank_files(const RankOptions &options)
 {
-    const std::vector<Experience> files = open_experiences(options.paths);
+    const std::vector<Experience> files = record::open_experiences(options.paths);
     if (files.size() < 2)
-        throw Error(options.paths[0] + ": nothing to rank, expected QUERY.vdna CANDIDATE.vdna...",
-                    exit_usage);
+        throw program::UsageError(options.paths[0] +
+                                  ": nothing to rank, expected QUERY.vdna CANDIDATE.vdna...");
     Ranking ranking;
     ranking.query = files[0].path().string();
     ranking.frames = files[0]->frames;
@@ -84,79 +87,54 @@ Ranking rank_files(const RankOptions &options)
     }
     ranking.entries.resize(candidates.size());
     std::vector<int64_t> scratch(vdna_emd_scratch_size(query.neurons) / sizeof(int64_t) + 1);
-    require_ok(vdna_rank(&query, candidates.data(), static_cast<uint32_t>(candidates.size()),
-                         scratch.data(), scratch.size() * sizeof(int64_t), ranking.entries.data()),
-               ranking.query);
+    require(vdna_rank(&query, candidates.data(), static_cast<uint32_t>(candidates.size()),
+                      scratch.data(), scratch.size() * sizeof(int64_t), ranking.entries.data()),
+            ranking.query);
     if (options.per_tap)
         add_taps(ranking, files[0]->taps, query, candidates);
     return ranking;
 }
 
-// A selector with the memory it lives in.
-class Selector
+std::vector<vdna_hist_view> views_of(const Selector &selector)
 {
-  public:
-    Selector(const Map &map, const std::vector<size_t> &picked, const std::string &warmup)
-    {
-        const std::vector<vdna_select_candidate> all = map.candidates();
-        for (const size_t i : picked)
-            candidates_.push_back(all[i]);
-        vdna_select_config config;
-        vdna_select_config_init(&config);
-        config.candidates = candidates_.data();
-        config.candidate_count = static_cast<uint32_t>(candidates_.size());
-        config.dim = map.experiences().front().dim;
-        const Warmup window = warmup_of(warmup);
-        config.warmup_frames = window.frames;
-        config.warmup_us = window.us;
-        mem_.resize(vdna_select_mem_size(&config) / sizeof(int64_t) + 1);
-        require_ok(vdna_select_init(&config, mem_.data(), mem_.size() * sizeof(int64_t), &select_),
-                   "selector");
-    }
+    std::vector<vdna_hist_view> views;
+    for (const vdna_select_candidate &candidate : selector.candidates())
+        views.push_back(candidate.dna);
+    return views;
+}
 
-    // True once the warmup is complete.
-    bool feed(const Pass &pass)
-    {
-        const vdna_select_frame frame = {pass.frame().utime, pass.output().taps,
-                                         pass.output().tap_count, pass.output().embedding};
-        vdna_select_answer answer;
-        require_ok(vdna_select_feed(&select_, &frame, &answer), pass.frame().name);
-        return answer.newly_ranked != 0;
-    }
-
-    const vdna_select *operator->() const { return &select_; }
-    std::vector<vdna_hist_view> views() const
-    {
-        std::vector<vdna_hist_view> views;
-        for (const vdna_select_candidate &candidate : candidates_)
-            views.push_back(candidate.dna);
-        return views;
-    }
-
-  private:
-    std::vector<vdna_select_candidate> candidates_;
-    std::vector<int64_t> mem_;
-    vdna_select select_{};
-};
+// True once the warmup is complete.
+bool feed(Selector &selector, const record::Pass &pass)
+{
+    const vdna_select_frame frame = {pass.frame().utime, pass.output().taps,
+                                     pass.output().tap_count, pass.output().embedding};
+    vdna_select_answer answer;
+    require(vdna_select_feed(selector.get(), &frame, &answer), pass.frame().name);
+    return answer.newly_ranked != 0;
+}
 
 // The first frames of a source against a map, as the daemon would rank them.
 Ranking rank_live(const RankOptions &options)
 {
     const std::string &source = options.paths[0];
     const Map map(options.paths[1]);
-    const std::vector<size_t> picked = all_but(map, options.exclude);
+    const std::vector<size_t> picked = record::all_but(map, options.exclude);
     if (picked.empty())
         throw Error(options.paths[1] + ": --exclude leaves no experience to rank");
     const vdna_experience &first = map.experiences().front();
-    Selector selector(map, picked, options.warmup);
+    std::vector<vdna_select_candidate> candidates;
+    for (const size_t i : picked)
+        candidates.push_back(map.candidates()[i]);
+    Selector selector(std::move(candidates), first.dim, record::warmup_of(options.warmup),
+                      options.paths[1]);
     Backbone backbone(options.network.backbone.empty() ? first.backbone : options.network.backbone,
                       options.network.threads);
     map.require_backbone(backbone.info());
 
-    Pass pass(source, options.source, backbone);
+    record::Pass pass(source, options.source, backbone);
     bool complete = false;
     while (!complete && pass.next())
-        complete = selector.feed(pass);
+        complete = feed(selector, pass);
     if (!complete)
         throw Error(source + ": ends after " + std::to_string(selector->live.frames) +
                     " frames of the warmup, expected " + options.warmup +
@@ -173,7 +151,7 @@ Ranking rank_live(const RankOptions &options)
     if (options.per_tap) {
         vdna_hist_view live;
         vdna_hist_view_of(&selector->live, &live);
-        add_taps(ranking, first.taps, live, selector.views());
+        add_taps(ranking, first.taps, live, views_of(selector));
     }
     return ranking;
 }
@@ -205,32 +183,33 @@ void report(const Ranking &ranking)
         std::cout << std::setw(4) << i + 1 << "  " << std::left
                   << std::setw(static_cast<int>(width)) << ranking.names[entry.candidate]
                   << std::right;
-        column(fixed(entry.distance_bins, 4));
+        column(program::fixed(entry.distance_bins, 4));
         for (size_t t = 0; t < ranking.taps.size(); t++)
-            column(fixed(ranking.tap_distances[entry.candidate][t], 4));
+            column(program::fixed(ranking.tap_distances[entry.candidate][t], 4));
         std::cout << (entry.tied ? "  tied\n" : "\n");
     }
-    std::cout << "margin of the first choice: " << fixed(margin_of(ranking), 4) << " bins\n";
+    std::cout << "margin of the first choice: " << program::fixed(margin_of(ranking), 4)
+              << " bins\n";
 }
 
 void report_json(const Ranking &ranking)
 {
-    Json entries = Json::array();
+    program::Json entries = program::Json::array();
     for (const vdna_rank_entry &entry : ranking.entries) {
-        Json json = {{"experience", ranking.names[entry.candidate]},
-                     {"distance_bins", entry.distance_bins},
-                     {"tied", entry.tied != 0}};
+        program::Json json = {{"experience", ranking.names[entry.candidate]},
+                              {"distance_bins", entry.distance_bins},
+                              {"tied", entry.tied != 0}};
         for (size_t t = 0; t < ranking.taps.size(); t++)
             json["taps"].push_back({{"tap", ranking.taps[t].name},
                                     {"distance_bins", ranking.tap_distances[entry.candidate][t]}});
         entries.push_back(json);
     }
-    print_json({{"query", ranking.query},
-                {"frames", ranking.frames},
-                {"bad_frames", ranking.bad},
-                {"restarts", ranking.restarts},
-                {"margin_bins", margin_of(ranking)},
-                {"ranking", entries}});
+    program::print_json({{"query", ranking.query},
+                         {"frames", ranking.frames},
+                         {"bad_frames", ranking.bad},
+                         {"restarts", ranking.restarts},
+                         {"margin_bins", margin_of(ranking)},
+                         {"ranking", entries}});
 }
 
 void rank(const RankOptions &options)
@@ -238,9 +217,9 @@ void rank(const RankOptions &options)
     const bool files = std::filesystem::path(options.paths[0]).extension() == VDNA_MAP_EXTENSION &&
                        !std::filesystem::is_directory(options.paths[0]);
     if (!files && options.paths.size() != 2)
-        throw Error("found " + std::to_string(options.paths.size()) +
-                        " paths, expected LIVE_SOURCE MAP or QUERY.vdna CANDIDATE.vdna...",
-                    exit_usage);
+        throw program::UsageError(
+            "found " + std::to_string(options.paths.size()) +
+            " paths, expected LIVE_SOURCE MAP or QUERY.vdna CANDIDATE.vdna...");
     const Ranking ranking = files ? rank_files(options) : rank_live(options);
     options.json ? report_json(ranking) : report(ranking);
 }
@@ -277,4 +256,4 @@ void add_rank(CLI::App &app)
     command->callback([options] { rank(*options); });
 }
 
-} // namespace vdna
+} // namespace vdna::tool

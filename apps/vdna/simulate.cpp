@@ -2,11 +2,13 @@
 #include <cstdio>
 #include <memory>
 
-#include "commands.hpp"
-#include "error.hpp"
-#include "simulate/recording.hpp"
+#include <vdna/cpp/error.hpp>
 
-namespace vdna
+#include "program/exit_code.hpp"
+#include "simulate/recording.hpp"
+#include "vdna/commands.hpp"
+
+namespace vdna::tool
 {
 
 namespace
@@ -16,8 +18,8 @@ struct Arguments {
     std::string out, condition = "summer", size = "320x240";
     uint64_t seed = 7;
     bool sheet = false;
-    DriveConfig drive;
-    RecordingConfig recording;
+    simulate::DriveConfig drive;
+    simulate::RecordingConfig recording;
 };
 
 cv::Size parse_size(const std::string &text)
@@ -26,33 +28,33 @@ cv::Size parse_size(const std::string &text)
     if (std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &end) != 2 ||
         static_cast<size_t>(end) != text.size() || width < 16 || height < 16 || width > 4096 ||
         height > 4096)
-        throw Error("--size " + text +
-                        ": expected WIDTHxHEIGHT in pixels, 16..4096 each, as in "
-                        "320x240",
-                    exit_usage);
+        throw program::UsageError("--size " + text +
+                                  ": expected WIDTHxHEIGHT in pixels, 16..4096 each, as in "
+                                  "320x240");
     return {width, height};
 }
 
 void simulate(const Arguments &arguments)
 {
-    RecordingConfig recording = arguments.recording;
+    simulate::RecordingConfig recording = arguments.recording;
     recording.size = parse_size(arguments.size);
-    const Route route(arguments.seed);
+    const simulate::Route route(arguments.seed);
     if (arguments.sheet) {
-        write_sheet(arguments.out, route, arguments.drive, recording.size, recording.frames,
-                    recording.quality);
+        simulate::write_sheet(arguments.out, route, arguments.drive, recording.size,
+                              recording.frames, recording.quality);
         return;
     }
     const float variation = arguments.drive.variation;
-    const Condition condition =
-        on_another_day(find_condition(arguments.condition), variation, arguments.drive.seed);
-    record_drive(arguments.out, route, condition, Drive(route, arguments.drive), recording);
+    const simulate::Condition condition = simulate::on_another_day(
+        simulate::find_condition(arguments.condition), variation, arguments.drive.seed);
+    simulate::record_drive(arguments.out, route, condition, simulate::Drive(route, arguments.drive),
+                           recording);
 }
 
 std::string condition_names()
 {
     std::string names;
-    for (const Condition &condition : conditions())
+    for (const simulate::Condition &condition : simulate::conditions())
         names += (names.empty() ? "" : ", ") + condition.name;
     return names;
 }
@@ -71,7 +73,7 @@ CLI::Validator within(double lo, double hi)
     return CLI::Validator(check, "");
 }
 
-void add_drive_options(CLI::App &command, DriveConfig &drive)
+void add_drive_options(CLI::App &command, simulate::DriveConfig &drive)
 {
     command.add_option("--start", drive.start_m, "where the drive begins, metres along the route")
         ->check(within(-1e6, 1e6))
@@ -140,4 +142,4 @@ void add_simulate(CLI::App &app)
     command->callback([arguments] { simulate(*arguments); });
 }
 
-} // namespace vdna
+} // namespace vdna::tool

@@ -10,14 +10,16 @@
 #include <lcm/lcm.h>
 #include <poll.h>
 #include <unistd.h>
+
+#include <vdna/cpp/error.hpp>
 #include <vdna/transport.h>
 
-#include "commands.hpp"
-#include "error.hpp"
-#include "interrupt/interrupt.hpp"
-#include "message_text.hpp"
+#include "program/exit_code.hpp"
+#include "program/interrupt.hpp"
+#include "telemetry/message_text.hpp"
+#include "vdna/commands.hpp"
 
-namespace vdna
+namespace vdna::tool
 {
 
 namespace
@@ -54,8 +56,8 @@ Goal parse_goal(const std::string &until)
             ? std::strtoull(until.c_str() + prefix.size(), &end, 10)
             : 0;
     if (count == 0 || *end != '\0')
-        throw Error("--until is '" + until + "', expected ranking or localisation:N with N >= 1",
-                    exit_usage);
+        throw program::UsageError("--until is '" + until +
+                                  "', expected ranking or localisation:N with N >= 1");
     return {0, count};
 }
 
@@ -112,18 +114,18 @@ class Printer
     {
         if (json_) {
             // A name that is not UTF-8 must not end the watch.
-            std::cout << json_of(message).dump(-1, ' ', false,
-                                               nlohmann::ordered_json::error_handler_t::replace)
+            std::cout << telemetry::json_of(message).dump(
+                             -1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
                       << std::endl;
             return;
         }
         if (as_update) {
-            std::cout << "\r\033[K" << text_of(message) << std::flush;
+            std::cout << "\r\033[K" << telemetry::text_of(message) << std::flush;
             open_update_ = true;
             return;
         }
         end_update();
-        std::cout << text_of(message) << std::endl;
+        std::cout << telemetry::text_of(message) << std::endl;
     }
 
     void end_update()
@@ -234,7 +236,7 @@ void watch(const WatchOptions &options)
         return options.seconds > 0 &&
                Clock::now() - begin >= std::chrono::duration<double>(options.seconds);
     };
-    while (!printer.reached(goal) && !is_over() && !interrupted())
+    while (!printer.reached(goal) && !is_over() && !program::interrupted())
         handle_one(lcm.get());
 
     if (options.summary)
@@ -274,4 +276,4 @@ void add_watch(CLI::App &app)
     command->callback([options] { watch(*options); });
 }
 
-} // namespace vdna
+} // namespace vdna::tool

@@ -1,5 +1,3 @@
-#include <vdna/backbone.h>
-
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -11,6 +9,8 @@
 
 #include <fail.h>
 
+#include <vdna/backbone.h>
+
 #include "decode.hpp"
 #include "failure.hpp"
 #include "manifest.hpp"
@@ -21,7 +21,7 @@
 #include "runtime.hpp"
 #include "session.hpp"
 
-using namespace vdna;
+using namespace vdna::backbone;
 
 struct vdna_backbone {
     vdna_backbone(const Manifest &manifest, const vdna_backbone_config &config);

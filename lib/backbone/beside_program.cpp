@@ -2,7 +2,7 @@
 
 #include <system_error>
 
-namespace vdna
+namespace vdna::backbone
 {
 
 namespace fs = std::filesystem;
@@ -14,4 +14,4 @@ fs::path beside_program(const char *relative)
     return program.empty() ? program : (program.parent_path() / relative).lexically_normal();
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -3,10 +3,10 @@
 
 #include <filesystem>
 
-namespace vdna
+namespace vdna::backbone
 {
 
 // `relative` to the folder of the running program; empty if the system does not say where that is.
 std::filesystem::path beside_program(const char *relative);
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -10,7 +10,7 @@
 #include "jpeg.h"
 #include "picture_size.hpp"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 namespace
@@ -195,4 +195,4 @@ float mean_grey(const Picture &picture)
                               0.114 * mean[picture.rgb[2]]);
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

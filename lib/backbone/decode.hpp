@@ -7,7 +7,7 @@
 
 #include <vdna/image.h>
 
-namespace vdna
+namespace vdna::backbone
 {
 
 // 8-bit pixels of 1, 3 or 4 channels.
@@ -54,4 +54,4 @@ class Decoder
 // Mean grey level of a whole picture, 0..255 (BT.601).
 float mean_grey(const Picture &picture);
 
-} // namespace vdna
+} // namespace vdna::backbone

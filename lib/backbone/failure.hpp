@@ -6,7 +6,7 @@
 
 #include <vdna/status.h>
 
-namespace vdna
+namespace vdna::backbone
 {
 
 class Failure : public std::runtime_error
@@ -22,4 +22,4 @@ class Failure : public std::runtime_error
     vdna_status status_;
 };
 
-} // namespace vdna
+} // namespace vdna::backbone

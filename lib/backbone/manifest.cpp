@@ -11,7 +11,7 @@
 #include "failure.hpp"
 #include "read_file.hpp"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 namespace
@@ -292,4 +292,4 @@ std::string preprocessing_text(const Manifest &manifest)
            " l2=" + (manifest.l2_normalise ? "1" : "0");
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -9,7 +9,7 @@
 
 #include <vdna/activation.h>
 
-namespace vdna
+namespace vdna::backbone
 {
 
 // In the order of interpolation_names. pillow_bicubic: as Python's Pillow, to the last bit; the
@@ -53,4 +53,4 @@ Manifest read_manifest(const std::filesystem::path &file);
 // same text, model and taps give numbers that compare.
 std::string preprocessing_text(const Manifest &manifest);
 
-} // namespace vdna
+} // namespace vdna::backbone

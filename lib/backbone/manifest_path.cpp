@@ -8,7 +8,7 @@
 #include "beside_program.hpp"
 #include "failure.hpp"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 namespace fs = std::filesystem;
@@ -67,4 +67,4 @@ fs::path find_manifest(const std::string &wanted)
                                    "VDNA_MODELS");
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace vdna
+namespace vdna::backbone
 {
 
 // The manifest that `wanted` means: itself if it holds a '/' or ends in ".toml", else
@@ -13,4 +13,4 @@ namespace vdna
 // Throws Failure (VDNA_ERR_IO) that says where it looked and what is there.
 std::filesystem::path find_manifest(const std::string &wanted);
 
-} // namespace vdna
+} // namespace vdna::backbone

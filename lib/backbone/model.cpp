@@ -11,7 +11,7 @@
 
 #include "failure.hpp"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 namespace
@@ -76,4 +76,4 @@ std::string Model::path() const
     return path;
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -6,7 +6,7 @@
 
 #include "open_file.hpp"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 class Model
@@ -29,4 +29,4 @@ class Model
     OpenFile file_;
 };
 
-} // namespace vdna
+} // namespace vdna::backbone

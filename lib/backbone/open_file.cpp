@@ -7,7 +7,7 @@
 
 #include "failure.hpp"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 OpenFile::OpenFile(std::filesystem::path file, size_t limit)
@@ -48,4 +48,4 @@ void OpenFile::require_unchanged() const
         throw Failure(VDNA_ERR_IO, name_.string() + ": changed while it was read; try it again");
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -8,7 +8,7 @@
 
 #include <sys/stat.h>
 
-namespace vdna
+namespace vdna::backbone
 {
 
 class OpenFile
@@ -36,4 +36,4 @@ class OpenFile
     struct stat about_{};
 };
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -9,7 +9,7 @@
 #include "failure.hpp"
 #include "jpeg.h"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 namespace
@@ -171,4 +171,4 @@ EncodedPicture inspect_picture(const uint8_t *data, size_t size)
                   "encoded picture: is no JPEG, PNG, WebP, BMP, PNM or TIFF file");
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace vdna
+namespace vdna::backbone
 {
 
 enum class Encoding { jpeg, png, webp, bmp, pnm, tiff };
@@ -18,4 +18,4 @@ struct EncodedPicture {
 // damaged, VDNA_ERR_UNSUPPORTED for any other encoding.
 EncodedPicture inspect_picture(const uint8_t *data, size_t size);
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -2,7 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace vdna
+namespace vdna::backbone
 {
 
 namespace
@@ -89,4 +89,4 @@ void Preprocessor::normalise_row(const uint8_t *row, const Picture &picture, int
     }
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

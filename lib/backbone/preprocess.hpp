@@ -11,7 +11,7 @@
 #include "manifest.hpp"
 #include "resample.hpp"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 class Preprocessor
@@ -43,4 +43,4 @@ class Preprocessor
     std::vector<uint8_t> row_;
 };
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -6,7 +6,7 @@
 #include <sys/auxv.h>
 #endif
 
-namespace vdna
+namespace vdna::backbone
 {
 
 const char *lacks_for_int8_products()
@@ -30,4 +30,4 @@ const char *lacks_for_int8_products()
 #endif
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -1,7 +1,7 @@
 // What the processor can do.
 #pragma once
 
-namespace vdna
+namespace vdna::backbone
 {
 
 // What it lacks to add up products of 8-bit numbers in 32 bits; nullptr if nothing. Without that
@@ -9,4 +9,4 @@ namespace vdna
 // int8 network may give other numbers there than elsewhere.
 const char *lacks_for_int8_products();
 
-} // namespace vdna
+} // namespace vdna::backbone

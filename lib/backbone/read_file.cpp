@@ -2,7 +2,7 @@
 
 #include "open_file.hpp"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 std::string read_file(const std::filesystem::path &file, size_t limit)
@@ -13,4 +13,4 @@ std::string read_file(const std::filesystem::path &file, size_t limit)
     return bytes;
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <string>
 
-namespace vdna
+namespace vdna::backbone
 {
 
 // The bytes of a file of at most `limit` bytes. Throws Failure (VDNA_ERR_IO, VDNA_ERR_FORMAT).
 std::string read_file(const std::filesystem::path &file, size_t limit);
 
-} // namespace vdna
+} // namespace vdna::backbone

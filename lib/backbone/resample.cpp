@@ -6,7 +6,7 @@
 
 #include "decode.hpp"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 namespace
@@ -184,4 +184,4 @@ void PillowResampler::run(const cv::Mat &picture, cv::Mat &out)
     }
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

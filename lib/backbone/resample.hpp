@@ -7,7 +7,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace vdna
+namespace vdna::backbone
 {
 
 // The source pixels of each output pixel along one axis, and their weights.
@@ -60,4 +60,4 @@ class PillowResampler
     std::vector<int32_t> sums_;
 };
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -1,13 +1,14 @@
 #include "runtime.hpp"
 
 #include <cstdlib>
-#include <dlfcn.h>
 #include <vector>
+
+#include <dlfcn.h>
 
 #include "beside_program.hpp"
 #include "failure.hpp"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 namespace
@@ -75,4 +76,4 @@ void Runtime::require(OrtStatus *status, const std::string &doing) const
     throw Failure(VDNA_ERR_RUNTIME, "ONNX Runtime " + version_ + ": " + doing + ": " + reason);
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -5,7 +5,7 @@
 
 #include <onnxruntime_c_api.h>
 
-namespace vdna
+namespace vdna::backbone
 {
 
 class Runtime
@@ -28,4 +28,4 @@ class Runtime
     std::string version_;
 };
 
-} // namespace vdna
+} // namespace vdna::backbone

@@ -5,7 +5,7 @@
 
 #include "failure.hpp"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 namespace
@@ -234,4 +234,4 @@ void Session::terminate() noexcept
     api_.ReleaseStatus(api_.RunOptionsSetTerminate(run_options_.get()));
 }
 
-} // namespace vdna
+} // namespace vdna::backbone

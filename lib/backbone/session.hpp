@@ -10,7 +10,7 @@
 #include "model.hpp"
 #include "runtime.hpp"
 
-namespace vdna
+namespace vdna::backbone
 {
 
 template <class T>
@@ -78,4 +78,4 @@ class Session
     Output embedding_;
 };
 
-} // namespace vdna
+} // namespace vdna::backbone

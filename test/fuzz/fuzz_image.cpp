@@ -70,13 +70,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     std::memcpy(&image.height, data + 5, sizeof image.height);
     std::memcpy(&image.row_stride, data + 9, sizeof image.row_stride);
 
-    vdna::Decoder decoder;
+    vdna::backbone::Decoder decoder;
     try {
-        const vdna::Picture picture = decoder.decode(image);
-        const float grey = vdna::mean_grey(picture);
+        const vdna::backbone::Picture picture = decoder.decode(image);
+        const float grey = vdna::backbone::mean_grey(picture);
         if (picture.pixels.empty() || !(grey >= 0.0f && grey <= 255.0f))
             std::abort();
-    } catch (const vdna::Failure &) {
+    } catch (const vdna::backbone::Failure &) {
     } catch (const cv::Exception &) {
     }
     return 0;

@@ -1,15 +1,13 @@
 // Resizing of our own, against Pillow and OpenCV.
-#include <cmocka.hpp>
-
 #include <cstdio>
 
+#include <cmocka.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "pillow_golden.h"
 #include "preprocess.hpp"
 
-#include "pillow_golden.h"
-
-using namespace vdna;
+using namespace vdna::backbone;
 
 // As in make_pillow.py.
 static cv::Mat noise(int width, int height, int channels)

@@ -8,7 +8,8 @@
 
 #include <vdna_msg_command_t.h>
 
-#include "connection.hpp"
+#include <vdna/cpp/connection.hpp>
+
 #include "selectord/daemon.hpp"
 #include "stub_backbone.h"
 
@@ -16,6 +17,7 @@ namespace
 {
 
 using namespace vdna;
+using namespace vdna::selectord;
 
 constexpr uint8_t pixels[64] = {};
 constexpr uint64_t settled = 100, reset_every = 100000;

@@ -1,9 +1,8 @@
 // Activations kept in memory, all or none.
-#include "activation_store.hpp"
-
 #include "cmocka.hpp"
+#include "record/activation_store.hpp"
 
-using vdna::ActivationStore;
+using vdna::record::ActivationStore;
 
 namespace
 {

@@ -1,18 +1,17 @@
 // Decoding: every pixel format gives the picture, and bytes that are none are refused.
-#include <cmocka.hpp>
-
 #include <cstring>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include <cmocka.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "decode.hpp"
 #include "failure.hpp"
 
-using namespace vdna;
+using namespace vdna::backbone;
 
 using Bytes = std::vector<uint8_t>;
 

@@ -9,7 +9,7 @@
 namespace
 {
 
-using vdna::Durations;
+using vdna::selectord::Durations;
 
 int64_t nearest_rank(std::vector<int64_t> values, uint32_t percent)
 {

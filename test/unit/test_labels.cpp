@@ -1,13 +1,13 @@
 // CSV tables of labels: what they may hold and how they are refused.
-#include "cmocka.hpp"
-#include "folder.hpp"
-
 #include <cstring>
 
-#include "error.hpp"
-#include "labels.hpp"
+#include <vdna/cpp/error.hpp>
 
-using vdna::Labels;
+#include "cmocka.hpp"
+#include "folder.hpp"
+#include "frames/labels.hpp"
+
+using vdna::frames::Labels;
 
 namespace
 {
@@ -15,8 +15,11 @@ namespace
 // A folder with one table, t.csv.
 struct Table : Folder {
     explicit Table(const std::string &text) : csv(write("t.csv", text)) {}
-    vdna::Label label(const std::string &file) const { return Labels(csv).find(path() / file, 0); }
-    vdna::Label label(uint64_t frame) const { return Labels(csv).find("", frame); }
+    vdna::frames::Label label(const std::string &file) const
+    {
+        return Labels(csv).find(path() / file, 0);
+    }
+    vdna::frames::Label label(uint64_t frame) const { return Labels(csv).find("", frame); }
     std::filesystem::path csv;
 };
 
@@ -37,7 +40,7 @@ void assert_refused(const std::string &text, const std::string &sentence)
     assert_string_equal(refusal_of(text).c_str(), sentence.c_str());
 }
 
-void assert_position(const vdna::Label &label, double x, double y, double z)
+void assert_position(const vdna::frames::Label &label, double x, double y, double z)
 {
     assert_true(label.position.has_value());
     const double expected[] = {x, y, z};
@@ -82,7 +85,7 @@ void times_may_stand_alone_or_beside_places(void **)
 {
     assert_true(*Table("file,utime\na.jpg,1700000000000000\n").label("a.jpg").utime ==
                 1700000000000000);
-    const vdna::Label both = Table("file,utime,place\na.jpg,5,6\n").label("a.jpg");
+    const vdna::frames::Label both = Table("file,utime,place\na.jpg,5,6\n").label("a.jpg");
     assert_int_equal(*both.utime, 5);
     assert_int_equal(*both.place, 6);
 }

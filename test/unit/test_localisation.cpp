@@ -1,13 +1,12 @@
 // Recall@1 on embeddings of one number.
-#include "cmocka.hpp"
-
 #include <cstring>
 
-#include "localisation.hpp"
+#include "cmocka.hpp"
+#include "record/localisation.hpp"
 
-using vdna::Localisation;
-using vdna::Recording;
-using vdna::Unit;
+using vdna::record::Localisation;
+using vdna::record::Recording;
+using vdna::record::Unit;
 
 namespace
 {
@@ -41,7 +40,7 @@ void a_match_within_tolerance_is_good(void **)
 {
     const Frames map("m", {0, 10, 20}, {0, 100, 200});
     const Recording live = recording_of({1, 12, 19}, {5, 94, 206});
-    const Localisation found = vdna::localise_in(map.experience, live, 5);
+    const Localisation found = vdna::record::localise_in(map.experience, live, 5);
     assert_int_equal(found.matches[1].frame, 1);
     assert_float_equal(found.matches[1].distance, 2, 1e-12);
     assert_true(found.matches[0].good);  // exactly at the tolerance
@@ -54,7 +53,7 @@ void a_place_that_the_map_never_saw_is_a_failure_and_told_apart(void **)
 {
     const Frames map("m", {0, 10}, {0, 100});
     const Recording live = recording_of({10, 0}, {0, 500});
-    const Localisation found = vdna::localise_in(map.experience, live, 5);
+    const Localisation found = vdna::record::localise_in(map.experience, live, 5);
     assert_int_equal(found.good(), 0);
     assert_true(found.matches[0].reachable);
     assert_int_equal(found.unreachable(), 1);
@@ -64,14 +63,14 @@ void equal_distances_take_the_lowest_index(void **)
 {
     const Frames map("m", {2, 0, 2}, {0, 1, 2});
     const Recording live = recording_of({1}, {0});
-    assert_int_equal(vdna::localise_in(map.experience, live, 0).matches[0].frame, 0);
+    assert_int_equal(vdna::record::localise_in(map.experience, live, 0).matches[0].frame, 0);
 }
 
 void places_at_the_ends_of_their_range_do_not_wrap(void **)
 {
     const Frames map("m", {0}, {INT64_MIN});
     const Recording live = recording_of({0}, {INT64_MAX});
-    assert_int_equal(vdna::localise_in(map.experience, live, 5).good(), 0);
+    assert_int_equal(vdna::record::localise_in(map.experience, live, 5).good(), 0);
 }
 
 void metres_go_before_places(void **)
@@ -80,18 +79,18 @@ void metres_go_before_places(void **)
     const double here[] = {0, 0, 0};
     map.experience.frame_position = here;
     Recording live = recording_of({0}, {7});
-    assert_true(vdna::common_unit(live, map.experience) == Unit::places);
+    assert_true(vdna::record::common_unit(live, map.experience) == Unit::places);
     live.position = {2, 3, 6};
-    const Localisation found = vdna::localise_in(map.experience, live, 7);
+    const Localisation found = vdna::record::localise_in(map.experience, live, 7);
     assert_true(found.unit == Unit::metres);
     assert_int_equal(found.good(), 1);
-    assert_int_equal(vdna::localise_in(map.experience, live, 6.9).good(), 0);
+    assert_int_equal(vdna::record::localise_in(map.experience, live, 6.9).good(), 0);
 }
 
 void without_common_labels_there_are_matches_only(void **)
 {
     const Frames map("m", {0, 5}, {});
-    const Localisation found = vdna::localise_in(map.experience, recording_of({4}, {1}), 5);
+    const Localisation found = vdna::record::localise_in(map.experience, recording_of({4}, {1}), 5);
     assert_true(found.unit == Unit::none);
     assert_int_equal(found.matches[0].frame, 1);
 }
@@ -100,8 +99,9 @@ void all_together_is_the_nearest_of_each(void **)
 {
     const Frames a("a", {0, 10}, {0, 100}), b("b", {1, 10, 30}, {0, 900, 300});
     const Recording live = recording_of({1, 10, 30}, {0, 100, 300});
-    const Localisation all = vdna::composite_of(
-        {vdna::localise_in(a.experience, live, 5), vdna::localise_in(b.experience, live, 5)});
+    const Localisation all =
+        vdna::record::composite_of({vdna::record::localise_in(a.experience, live, 5),
+                                    vdna::record::localise_in(b.experience, live, 5)});
     assert_string_equal(all.matches[0].experience->name, "b");
     assert_string_equal(all.matches[1].experience->name, "a"); // a tie
     assert_int_equal(all.matches[2].frame, 2);

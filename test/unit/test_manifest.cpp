@@ -6,7 +6,7 @@
 #include "manifest.hpp"
 #include "manifest_path.hpp"
 
-using namespace vdna;
+using namespace vdna::backbone;
 
 static const char *const whole = R"(name = "tiny"
 model = "networks/tiny.onnx"

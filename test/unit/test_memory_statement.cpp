@@ -1,12 +1,13 @@
 // What the daemon asks of the C library.
-#include <cmocka.hpp>
-
 #include <cstdlib>
+
+#include <cmocka.hpp>
 #include <malloc.h>
 
 #include "selectord/memory_statement.hpp"
 
 using namespace vdna;
+using namespace vdna::selectord;
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
 // Blocks that came from the system, and go back there, one by one.

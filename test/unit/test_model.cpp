@@ -1,8 +1,8 @@
 // Model files: what is refused, and that nothing else is loaded than what was hashed.
+#include <cstdint>
+
 #include <cmocka.hpp>
 #include <folder.hpp>
-
-#include <cstdint>
 #include <sched.h>
 #include <sha2.h>
 #include <sys/mount.h>
@@ -12,7 +12,7 @@
 #include "failure.hpp"
 #include "model.hpp"
 
-using namespace vdna;
+using namespace vdna::backbone;
 
 static std::string sha256_of(const std::string &bytes)
 {

@@ -1,9 +1,8 @@
 // Counts as the bytes of a cache entry.
+#include "cmocka.hpp"
 #include "eval/packing.hpp"
 
-#include "cmocka.hpp"
-
-using vdna::Unpacker;
+using vdna::eval::Unpacker;
 
 namespace
 {
@@ -13,7 +12,7 @@ void counts_of_every_size_come_back(void **)
     const std::vector<uint32_t> counts = {
         0, 1, 127, 128, 16383, 16384, 1 << 20, 1 << 21, (1 << 28) - 1, 1u << 28, UINT32_MAX};
     std::string bytes;
-    vdna::pack_counts(bytes, counts);
+    vdna::eval::pack_counts(bytes, counts);
     Unpacker unpacker(bytes);
     std::vector<uint32_t> back;
     assert_true(unpacker.take_counts(back, counts.size()));
@@ -24,7 +23,7 @@ void counts_of_every_size_come_back(void **)
 void cut_counts_are_refused(void **)
 {
     std::string bytes;
-    vdna::pack_counts(bytes, {5, 300});
+    vdna::eval::pack_counts(bytes, {5, 300});
     std::vector<uint32_t> back;
     for (size_t size = 0; size < bytes.size(); size++)
         assert_false(Unpacker(bytes.substr(0, size)).take_counts(back, 2));

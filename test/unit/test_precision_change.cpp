@@ -1,12 +1,14 @@
 // What becomes of embeddings and rankings in another precision, on numbers to check by hand.
-#include <cmocka.hpp>
-
 #include <cmath>
 
-#include "error.hpp"
+#include <cmocka.hpp>
+
+#include <vdna/cpp/error.hpp>
+
 #include "eval/precision_change.hpp"
 
 using namespace vdna;
+using namespace vdna::eval;
 
 // One query, traversal 0, against references 1, 2 and 3.
 static Evaluation evaluation(const std::vector<double> &distance, const std::vector<double> &recall)

@@ -1,8 +1,7 @@
 // Pictures within a report: what is shown, and what becomes of files that are gone or no pictures.
 #include "cmocka.hpp"
 #include "folder.hpp"
-
-#include "eval/report/picture.hpp"
+#include "report/picture.hpp"
 
 namespace
 {
@@ -15,8 +14,8 @@ bool contains(const std::string &text, const std::string &part)
 void a_photo_gets_smaller_and_keeps_its_shape(void **)
 {
     const Folder folder;
-    const std::string html =
-        vdna::photo(folder.write("a.pgm", "P5\n320 80\n255\n" + std::string(320 * 80, 'x')), "");
+    const std::string html = vdna::report::photo(
+        folder.write("a.pgm", "P5\n320 80\n255\n" + std::string(320 * 80, 'x')), "");
     assert_true(contains(html, "width=\"160\" height=\"40\""));
     assert_true(contains(html, "src=\"data:image/jpeg;base64,/9j/")); // FF D8 FF begins a JPEG
 }
@@ -28,7 +27,7 @@ void a_picture_that_is_gone_is_said_to_be(void **)
          {folder.path() / "missing.jpg", std::filesystem::path(folder.write("empty.jpg", "")),
           std::filesystem::path(folder.write("text.jpg", "no picture")),
           std::filesystem::path(folder.write("broken.pgm", "P5\n99999999 99999999\n255\n"))}) {
-        const std::string html = vdna::photo(file, "");
+        const std::string html = vdna::report::photo(file, "");
         assert_true(contains(html, "cannot be read any more"));
         assert_false(contains(html, "<img"));
     }
@@ -36,9 +35,9 @@ void a_picture_that_is_gone_is_said_to_be(void **)
 
 void shades_are_a_png_no_larger_than_asked_for(void **)
 {
-    const vdna::Shades shades = {2, 3, {0, 1, 2, 3, 4, 5}, 0, 5};
-    assert_true(contains(vdna::shades_picture(shades, 9, ""), "width=\"3\" height=\"2\""));
-    const std::string html = vdna::shades_picture(shades, 1, "a \"matrix\"");
+    const vdna::report::Shades shades = {2, 3, {0, 1, 2, 3, 4, 5}, 0, 5};
+    assert_true(contains(vdna::report::shades_picture(shades, 9, ""), "width=\"3\" height=\"2\""));
+    const std::string html = vdna::report::shades_picture(shades, 1, "a \"matrix\"");
     assert_true(contains(html, "width=\"1\" height=\"1\" alt=\"a &quot;matrix&quot;\""));
     assert_true(contains(html, "src=\"data:image/png;base64,iVBORw0KGgo")); // a PNG's signature
 }

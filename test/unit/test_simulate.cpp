@@ -9,6 +9,7 @@
 #include <fstream>
 #include <set>
 #include <string>
+
 #include <unistd.h>
 
 extern "C" {
@@ -18,12 +19,16 @@ extern "C" {
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "error.hpp"
-#include "interrupt/interrupt.hpp"
+#include <vdna/cpp/error.hpp>
+
+#include "program/exit_code.hpp"
+#include "program/interrupt.hpp"
 #include "simulate/landmark.hpp"
 #include "simulate/recording.hpp"
 
 using namespace vdna;
+using namespace vdna::program;
+using namespace vdna::simulate;
 namespace fs = std::filesystem;
 
 static const cv::Size small(160, 120);
@@ -98,7 +103,7 @@ static std::pair<std::string, int> refusal(const fs::path &directory, bool force
     try {
         record(directory, 2, force);
     } catch (const Error &error) {
-        return {error.what(), error.code()};
+        return {error.what(), exit_code_of(error)};
     }
     return {"", exit_ok};
 }
@@ -250,7 +255,7 @@ static void an_unknown_condition_is_refused_with_the_known_ones(void **)
     } catch (const Error &error) {
         assert_string_equal(error.what(), "there is no condition 'monsoon'; known ones: spring, "
                                           "summer, autumn, winter, overcast, rain, dusk, night");
-        assert_int_equal(error.code(), exit_usage);
+        assert_int_equal(exit_code_of(error), exit_usage);
     }
 }
 

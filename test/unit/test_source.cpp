@@ -1,17 +1,16 @@
 // Frames from folders, videos and LCM logs.
-#include "cmocka.hpp"
-#include "folder.hpp"
-
 #include <cstring>
 #include <vector>
 
 #include <opencv2/videoio.hpp>
 
-#include "source.hpp"
+#include "cmocka.hpp"
+#include "folder.hpp"
+#include "frames/source.hpp"
 
-using vdna::Frame;
-using vdna::Source;
-using vdna::SourceOptions;
+using vdna::frames::Frame;
+using vdna::frames::Source;
+using vdna::frames::SourceOptions;
 
 namespace
 {
@@ -233,7 +232,7 @@ void a_bad_camera_message_does_not_end_the_log(void **)
     bool refused = false;
     try {
         source.next(frame);
-    } catch (const vdna::BadFrame &) {
+    } catch (const vdna::frames::BadFrame &) {
         refused = true;
     }
     assert_true(refused);

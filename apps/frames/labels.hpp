@@ -1,0 +1,44 @@
+// Where the frames of a source were taken: a CSV table with one row per picture or frame.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+namespace vdna::frames
+{
+
+// What a row says about its frame.
+struct Label {
+    std::optional<int64_t> utime;                  // camera stamp, microseconds
+    std::optional<int64_t> place;                  // place number
+    std::optional<std::array<double, 3>> position; // metres, Cartesian; ECEF if made from GPS
+};
+
+// The rows of one CSV file. Columns: `file` (relative to the CSV's folder) or `frame` (index from
+// 0), and `place`, or `x,y[,z]` in metres, or `lat,lon[,alt]` in WGS84 degrees and metres, or
+// `utime`. Others are ignored.
+class Labels
+{
+  public:
+    // Throws Error with file and line for what breaks these rules.
+    explicit Labels(const std::filesystem::path &csv);
+
+    // The row about a frame, given by its index and, for a picture, its path ("" otherwise).
+    // Throws Error if there is none.
+    const Label &find(const std::filesystem::path &file, uint64_t frame) const;
+
+  private:
+    std::string csv_;
+    bool by_file_ = false;
+    std::map<std::string, Label> rows_; // by resolved path, or by index
+};
+
+// WGS84 latitude and longitude in degrees, height above the ellipsoid in metres, to
+// Earth-centred, Earth-fixed metres: distances then need no zone.
+std::array<double, 3> ecef_of(double lat_deg, double lon_deg, double alt_m);
+
+} // namespace vdna::frames

@@ -1,0 +1,69 @@
+#include "frames/source.hpp"
+
+#include <cmath>
+
+namespace vdna::frames
+{
+
+namespace
+{
+
+namespace fs = std::filesystem;
+
+std::optional<Labels> labels_of(const std::string &path, const SourceOptions &options)
+{
+    if (!options.labelled)
+        return {};
+    if (!options.labels.empty())
+        return Labels(options.labels);
+    const fs::path own = fs::path(path) / "labels.csv";
+    return fs::exists(own) ? std::optional<Labels>(own) : std::nullopt;
+}
+
+} // namespace
+
+Source::Source(const std::string &path, const SourceOptions &options)
+    : path_(path), options_(options), reader_(open_reader(path, options)),
+      labels_(labels_of(path, options)), to_skip_(options.skip)
+{
+    if (options.skip >= reader_->size())
+        throw Error(path + ": has " + std::to_string(reader_->size()) +
+                    " frames, expected more than the " + std::to_string(options.skip) + " to skip");
+}
+
+bool Source::next(Frame &out_frame)
+{
+    for (; to_skip_ > 0; to_skip_--)
+        if (!reader_->skip())
+            return false;
+    // Set before reading, so that a bad frame counts as the one frame that was kept.
+    to_skip_ = options_.every - 1;
+    Frame frame;
+    if (!reader_->read(frame))
+        return false;
+    if (labels_)
+        frame.label = labels_->find(frame.file, frame.index);
+    if (frame.label.utime)
+        frame.utime = *frame.label.utime;
+    out_frame = frame;
+    return true;
+}
+
+uint64_t Source::size() const
+{
+    return (reader_->size() - options_.skip + options_.every - 1) / options_.every;
+}
+
+std::unique_ptr<Reader> open_reader(const std::string &path, const SourceOptions &options)
+{
+    std::error_code failure;
+    const fs::file_status status = fs::status(path, failure);
+    if (!fs::exists(status))
+        throw Error(path + ": not found, expected a folder of pictures, a video or an LCM log");
+    if (fs::is_directory(status))
+        return open_folder(path, options.rate_hz);
+    return is_lcm_log(path) ? open_lcm_log(path, options.camera)
+                            : open_video(path, options.rate_hz);
+}
+
+} // namespace vdna::frames

@@ -1,0 +1,37 @@
+// How a program ends.
+#pragma once
+
+#include <vdna/cpp/error.hpp>
+
+namespace vdna::program
+{
+
+enum ExitCode {
+    exit_ok = 0,
+    exit_failed = 1, // the input or the system did not allow it; nothing half-written is left
+    exit_usage = 2,  // the command line or a configuration file is wrong
+    exit_interrupted = 130, // Ctrl-C or SIGTERM; nothing half-written is left
+};
+
+// The command line or a configuration file is wrong.
+class UsageError : public Error
+{
+  public:
+    using Error::Error;
+};
+
+// Ctrl-C or SIGTERM came while there was work to do.
+class Interrupted : public Error
+{
+  public:
+    using Error::Error;
+};
+
+inline ExitCode exit_code_of(const Error &error)
+{
+    if (dynamic_cast<const UsageError *>(&error))
+        return exit_usage;
+    return dynamic_cast<const Interrupted *>(&error) ? exit_interrupted : exit_failed;
+}
+
+} // namespace vdna::program

@@ -1,0 +1,46 @@
+#include "record/pass.hpp"
+
+#include "program/interrupt.hpp"
+
+namespace vdna::record
+{
+
+Pass::Pass(const std::string &path, const frames::SourceOptions &options, Backbone &backbone)
+    : source_(path, options), backbone_(backbone), skip_bad_(options.skip_bad),
+      progress_(path, source_.size())
+{
+}
+
+bool Pass::next()
+{
+    for (;;) {
+        program::require_not_interrupted();
+        try {
+            const bool more = run();
+            progress_.advance(more);
+            return more;
+        } catch (const frames::BadFrame &bad) {
+            if (!skip_bad_)
+                throw Error(bad.what() + std::string("; replace or remove it, or leave out frames "
+                                                     "that cannot be used with --skip-bad"));
+            bad_++;
+            progress_.advance();
+        }
+    }
+}
+
+bool Pass::run()
+{
+    if (!source_.next(frame_))
+        return false;
+    vdna_error error{};
+    const vdna_status status = vdna_backbone_run(backbone_.get(), &frame_.image, &error, &output_);
+    const std::string sentence = frame_.name + ": " + error.text;
+    if (status == VDNA_ERR_FORMAT || status == VDNA_ERR_UNSUPPORTED || status == VDNA_ERR_NONFINITE)
+        throw frames::BadFrame(sentence);
+    if (status != VDNA_OK)
+        throw Error(sentence);
+    return true;
+}
+
+} // namespace vdna::record

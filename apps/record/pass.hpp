@@ -1,0 +1,42 @@
+// One pass of a source's frames through a network.
+#pragma once
+
+#include <string>
+
+#include <vdna/cpp/backbone.hpp>
+
+#include "frames/source.hpp"
+#include "program/progress.hpp"
+
+namespace vdna::record
+{
+
+// Usage: for (Pass pass(...); pass.next();) use(pass.frame(), pass.output());
+// Shows progress, and ends with exit_interrupted on Ctrl-C.
+class Pass
+{
+  public:
+    // backbone: borrowed. Throws Error as Source does.
+    Pass(const std::string &path, const frames::SourceOptions &options, Backbone &backbone);
+
+    // Run the next usable frame; false at the end. A frame that cannot be used is an Error, or
+    // counted as bad and passed over if the options say so.
+    bool next();
+    const frames::Frame &frame() const { return frame_; }
+    // Borrowed until next().
+    const vdna_backbone_frame &output() const { return output_; }
+    uint64_t bad() const { return bad_; }
+
+  private:
+    bool run();
+
+    frames::Source source_;
+    Backbone &backbone_;
+    bool skip_bad_;
+    program::Progress progress_;
+    frames::Frame frame_;
+    vdna_backbone_frame output_{};
+    uint64_t bad_ = 0;
+};
+
+} // namespace vdna::record

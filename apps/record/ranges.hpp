@@ -1,0 +1,51 @@
+// Ranges with the backbone that they belong to; read from and written to ranges files.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <vdna/backbone.h>
+#include <vdna/range.h>
+
+namespace vdna::record
+{
+
+// A range table and what it was calibrated with.
+struct Ranges {
+    std::string origin; // for complaints: the file it came from, or "calibration"
+    std::string backbone;
+    std::string model_sha256;
+    std::string precision;
+    std::string preprocessing;
+    std::string taps;
+    std::vector<float> values; // [neurons][2]
+};
+
+// How observed minima and maxima become ranges: "midpoint" or "zero".
+extern const char *const range_rules[2]; // indexed by VDNA_RANGE_ABOUT_...
+
+// Minima and maxima over frames, for ranges to come.
+class Calibration
+{
+  public:
+    explicit Calibration(const vdna_backbone_info &backbone);
+    // where: names the frame in complaints.
+    void observe(const vdna_backbone_frame &frame, const std::string &where);
+    // rule: VDNA_RANGE_ABOUT_...; at least one frame was observed.
+    Ranges ranges(uint32_t rule) const;
+
+  private:
+    Ranges observed_;
+};
+
+// Read a ranges file, or take the ranges of an experience file. Throws Error.
+Ranges read_ranges(const std::string &path);
+
+// Write a ranges file, whole or not at all. Throws Error.
+void write_ranges(const Ranges &ranges, uint32_t rule, const std::string &path);
+
+// Throw Error, naming the field and the remedy, unless these ranges were made with `backbone`.
+void require_backbone(const Ranges &ranges, const vdna_backbone_info &backbone);
+
+} // namespace vdna::record

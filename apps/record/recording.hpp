@@ -1,0 +1,30 @@
+// What is kept of the frames of one source: all but the histogram of an experience.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "record/pass.hpp"
+
+namespace vdna::record
+{
+
+// Per-frame tables, laid out as in an experience file. `place` and `position` stay empty if the
+// frames carry no such labels.
+struct Recording {
+    uint32_t frames = 0;
+    uint64_t bad = 0;              // frames that could not be used
+    std::vector<uint64_t> index;   // [frames], in the source
+    std::vector<int64_t> utime;    // [frames], microseconds
+    std::vector<int64_t> place;    // [frames]
+    std::vector<double> position;  // [frames][3], metres
+    std::vector<float> grey;       // [frames], 0..255
+    std::vector<float> embeddings; // [frames][dim]
+
+    // Append the frame that `pass` is at.
+    void add(const Pass &pass);
+    // Append a frame and what the network made of it.
+    void add(const frames::Frame &frame, const vdna_backbone_frame &output);
+};
+
+} // namespace vdna::record

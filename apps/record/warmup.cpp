@@ -1,0 +1,28 @@
+#include "record/warmup.hpp"
+
+#include <charconv>
+
+#include <vdna/cpp/error.hpp>
+
+#include "program/exit_code.hpp"
+
+namespace vdna::record
+{
+
+Warmup warmup_of(const std::string &text)
+{
+    const char *end = text.data() + text.size();
+    uint32_t frames = 0;
+    const auto as_frames = std::from_chars(text.data(), end, frames);
+    if (as_frames.ec == std::errc() && as_frames.ptr == end && frames > 0)
+        return {frames, 0};
+    double seconds = 0;
+    const auto as_time = std::from_chars(text.data(), end, seconds);
+    if (as_time.ec != std::errc() || std::string(as_time.ptr, end) != "s" ||
+        !(seconds >= 1e-6 && seconds <= 1e9))
+        throw program::UsageError("--warmup: found '" + text +
+                                  "', expected frames as 42 or seconds of camera time as 4.5s");
+    return {0, static_cast<int64_t>(seconds * 1e6)};
+}
+
+} // namespace vdna::record

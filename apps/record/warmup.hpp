@@ -1,0 +1,14 @@
+// How long the warmup is: the first frames or seconds of a live source.
+#pragma once
+
+#include <string>
+
+#include <vdna/cpp/selector.hpp>
+
+namespace vdna::record
+{
+
+// "42" frames or "4.5s" of camera time, more than nothing. Throws Error.
+Warmup warmup_of(const std::string &text);
+
+} // namespace vdna::record

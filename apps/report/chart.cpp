@@ -1,0 +1,172 @@
+#include "report/chart.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "program/print.hpp"
+#include "report/html.hpp"
+
+namespace vdna::report
+{
+
+namespace
+{
+
+// In units of the drawing, which is scaled to the room that the page has.
+constexpr double width = 360, height = 250;
+constexpr double left = 48, right = 10, top = 10, bottom = 42;
+constexpr size_t points_of_a_curve = 200; // more cannot be told apart
+
+struct Axis {
+    std::string label;
+    double low, high;
+
+    // 0..1
+    double share(double value) const { return (value - low) / (high - low); }
+
+    // 1, 2 or 5 times a power of ten; at most five of them fill the axis.
+    double step() const
+    {
+        const double rough = (high - low) / 5;
+        const double power = std::pow(10, std::floor(std::log10(rough)));
+        for (const double factor : {1.0, 2.0, 5.0})
+            if (factor * power >= rough)
+                return factor * power;
+        return 10 * power;
+    }
+};
+
+Axis axis_of(const std::string &label, double low, double high)
+{
+    return {label, low, high > low ? high : low + 1};
+}
+
+double x_of(const Axis &axis, double value)
+{
+    return left + axis.share(value) * (width - left - right);
+}
+
+double y_of(const Axis &axis, double value)
+{
+    return height - bottom - axis.share(value) * (height - top - bottom);
+}
+
+std::string line(double x1, double y1, double x2, double y2)
+{
+    return "<line x1=\"" + program::fixed(x1, 1) + "\" y1=\"" + program::fixed(y1, 1) + "\" x2=\"" +
+           program::fixed(x2, 1) + "\" y2=\"" + program::fixed(y2, 1) + "\"/>";
+}
+
+std::string label_at(double x, double y, const std::string &attributes, const std::string &text)
+{
+    return text_element("text x=\"" + program::fixed(x, 1) + "\" y=\"" + program::fixed(y, 1) +
+                            "\"" + attributes,
+                        text);
+}
+
+std::string tick_text(double value, double step)
+{
+    const int digits = static_cast<int>(std::max(0.0, -std::floor(std::log10(step) + 1e-9)));
+    return program::fixed(value, digits);
+}
+
+std::string axes(const Axis &x, const Axis &y)
+{
+    std::string svg;
+    const auto ticks = [](const Axis &axis, auto draw) {
+        const double step = axis.step();
+        const auto first = static_cast<int>(std::ceil(axis.low / step - 1e-9));
+        for (int i = first; i * step <= axis.high + step * 1e-9; i++)
+            draw(i * step, tick_text(i * step, step));
+    };
+    ticks(x, [&](double value, const std::string &text) {
+        svg += line(x_of(x, value), top, x_of(x, value), height - bottom);
+        svg += label_at(x_of(x, value), height - bottom + 14, " text-anchor=\"middle\"", text);
+    });
+    ticks(y, [&](double value, const std::string &text) {
+        svg += line(left, y_of(y, value), width - right, y_of(y, value));
+        svg += label_at(left - 5, y_of(y, value) + 4, " text-anchor=\"end\"", text);
+    });
+    svg += label_at((left + width - right) / 2, height - 8, " text-anchor=\"middle\"", x.label);
+    const double middle = (top + height - bottom) / 2;
+    return svg + label_at(12, middle,
+                          " text-anchor=\"middle\" transform=\"rotate(-90 12 " +
+                              program::fixed(middle, 1) + ")\"",
+                          y.label);
+}
+
+std::string drawing(const std::string &text, const std::string &svg)
+{
+    return element("svg viewBox=\"0 0 " + program::fixed(width, 0) + " " +
+                       program::fixed(height, 0) + "\" role=\"img\" aria-label=\"" + escaped(text) +
+                       "\"",
+                   svg);
+}
+
+std::string dot(const Axis &x, const Axis &y, const Point &point, size_t series_count)
+{
+    return element("circle cx=\"" + program::fixed(x_of(x, point.x), 1) + "\" cy=\"" +
+                       program::fixed(y_of(y, point.y), 1) + "\" r=\"4.5\" fill=\"" +
+                       series_colour(point.series, series_count) + "\"",
+                   text_element("title", point.label));
+}
+
+std::string polyline(const Axis &x, const Axis &y, const std::vector<double> &heights)
+{
+    std::string points;
+    const size_t count = std::min(heights.size(), points_of_a_curve);
+    for (size_t i = 0; i < count; i++) {
+        // The first and the last are always among them.
+        const size_t at = count > 1 ? i * (heights.size() - 1) / (count - 1) : 0;
+        points += program::fixed(x_of(x, static_cast<double>(at + 1)), 1) + "," +
+                  program::fixed(y_of(y, heights[at]), 1) + " ";
+    }
+    return points;
+}
+
+} // namespace
+
+std::string series_colour(size_t series, size_t count)
+{
+    return "hsl(" + std::to_string((210 + 360 * series / std::max<size_t>(count, 1)) % 360) +
+           " 70% 48%)";
+}
+
+std::string scatter_chart(const std::string &x_label, const std::string &y_label, double y_end,
+                          const std::vector<Point> &points, size_t series_count)
+{
+    double low = 0, high = 0;
+    for (size_t i = 0; i < points.size(); i++) {
+        low = i == 0 ? points[i].x : std::min(low, points[i].x);
+        high = i == 0 ? points[i].x : std::max(high, points[i].x);
+    }
+    const double margin = 0.05 * (high - low);
+    const Axis x = axis_of(x_label, low - margin, high + margin);
+    const Axis y = axis_of(y_label, 0, y_end);
+    std::string svg = axes(x, y);
+    for (const Point &point : points)
+        svg += dot(x, y, point, series_count);
+    return drawing(y_label + " against " + x_label, svg);
+}
+
+std::string curve_chart(const std::string &x_label, const std::string &y_label,
+                        const std::vector<Curve> &curves)
+{
+    size_t longest = 1;
+    double highest = 0;
+    for (const Curve &curve : curves) {
+        longest = std::max(longest, curve.heights.size());
+        highest = std::max(highest, *std::max_element(curve.heights.begin(), curve.heights.end()));
+    }
+    const Axis x = axis_of(x_label, 1, static_cast<double>(longest));
+    const Axis y = axis_of(y_label, 0, highest);
+    std::string svg = axes(x, y);
+    for (size_t i = 0; i < curves.size(); i++)
+        svg += element("polyline fill=\"none\" stroke-width=\"2\" stroke=\"" +
+                           series_colour(i, curves.size()) + "\" points=\"" +
+                           polyline(x, y, curves[i].heights) + "\"",
+                       text_element("title", curves[i].label));
+    return drawing(y_label + " against " + x_label, svg);
+}
+
+} // namespace vdna::report

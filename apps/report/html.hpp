@@ -1,0 +1,26 @@
+// Pieces of HTML as strings. Arguments called `text` are escaped, those called `html` are not.
+#pragma once
+
+#include <string>
+
+namespace vdna::report
+{
+
+// For content and for attributes in double quotes; bytes that are not UTF-8 are replaced.
+std::string escaped(const std::string &text);
+
+// tag: with its attributes, "td class=\"off1\"".
+std::string element(const std::string &tag, const std::string &html);
+std::string text_element(const std::string &tag, const std::string &text);
+
+// A table of rows (<tr>), which scrolls within its own box where it is wider than the page.
+std::string table(const std::string &caption_html, const std::string &head_html,
+                  const std::string &body_html);
+
+// A part of the page that can be folded.
+std::string foldable(const std::string &summary_html, bool open, const std::string &html);
+
+// "12.35", or a dash for a number that is not defined.
+std::string number_text(double value, int digits);
+
+} // namespace vdna::report

@@ -1,0 +1,188 @@
+#include "report/result_json.hpp"
+
+#include <cmath>
+
+namespace vdna::report
+{
+
+namespace
+{
+
+const std::string &name_of(const eval::Evaluation &evaluation, size_t traversal)
+{
+    return (*evaluation.traversals)[traversal].name;
+}
+
+program::Json methods_of(const std::vector<eval::MethodResult> &methods)
+{
+    program::Json json = program::Json::object();
+    for (const eval::MethodResult &method : methods)
+        json[method.name] = json_of(method.metrics);
+    return json;
+}
+
+// {query: {reference: value of its outcome, "all": value}}
+template <typename Value>
+program::Json outcomes_of(const eval::Evaluation &evaluation, Value value)
+{
+    program::Json json = program::Json::object();
+    for (const eval::QueryResult &query : evaluation.queries) {
+        program::Json &row = json[name_of(evaluation, query.traversal)];
+        for (const eval::PairResult &pair : query.pairs)
+            row[name_of(evaluation, pair.reference)] = value(pair.outcome);
+        row["all"] = value(query.all);
+    }
+    return json;
+}
+
+program::Json distances_of(const eval::Evaluation &evaluation, const eval::MethodResult &method)
+{
+    program::Json json = program::Json::object();
+    const size_t columns = evaluation.references.size();
+    for (size_t q = 0; q < evaluation.queries.size(); q++)
+        for (size_t r = 0; r < columns; r++)
+            if (!std::isnan(method.distance[q * columns + r]))
+                json[name_of(evaluation, evaluation.queries[q].traversal)]
+                    [name_of(evaluation, evaluation.references[r])] =
+                        method.distance[q * columns + r];
+    return json;
+}
+
+program::Json frames_of(const eval::Evaluation &evaluation)
+{
+    program::Json json = program::Json::object();
+    for (const eval::QueryResult &query : evaluation.queries) {
+        const record::Recording &recording = (*evaluation.traversals)[query.traversal].recording;
+        json[name_of(evaluation, query.traversal)] = {{"frames", recording.frames},
+                                                      {"bad", recording.bad},
+                                                      {"warmup", query.warmup_frames},
+                                                      {"live", query.live.size()}};
+    }
+    return json;
+}
+
+program::Json names_of_queries(const eval::Evaluation &evaluation)
+{
+    program::Json names = program::Json::array();
+    for (const eval::QueryResult &query : evaluation.queries)
+        names.push_back(name_of(evaluation, query.traversal));
+    return names;
+}
+
+// 42 frames as a number, "45s" as a text.
+program::Json warmup_of(const eval::Evaluation &evaluation)
+{
+    const bool seconds = evaluation.warmup.back() == 's';
+    return seconds ? program::Json(evaluation.warmup)
+                   : program::Json(std::stoul(evaluation.warmup));
+}
+
+program::Json counts_of(const eval::Outcome &outcome)
+{
+    return {{"good", outcome.good},
+            {"total", outcome.matches.size()},
+            {"unreachable", outcome.unreachable}};
+}
+
+// A name as a CSV field.
+std::string quoted(const std::string &text)
+{
+    if (text.find_first_of(",\"\r\n") == std::string::npos)
+        return text;
+    std::string field = "\"";
+    for (const char c : text)
+        field += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return field + "\"";
+}
+
+std::string csv_row(const std::string &query, const std::string &reference,
+                    const eval::Outcome &outcome)
+{
+    return quoted(query) + "," + quoted(reference) + "," + program::Json(outcome.recall[0]).dump() +
+           "," + std::to_string(outcome.good) + "," + std::to_string(outcome.matches.size()) + "," +
+           std::to_string(outcome.unreachable);
+}
+
+} // namespace
+
+program::Json json_of(const vdna_ranking_metrics &m)
+{
+    return {{"ranking_error_swap_once", m.ranking_error_swap_once},
+            {"ranking_error_half_l1", m.ranking_error_half_l1},
+            {"regret", m.regret},
+            {"kendall_tau", m.kendall_tau},
+            {"pearson_within", m.pearson_within},
+            {"spearman_within", m.spearman_within},
+            {"pearson_pooled", m.pearson_pooled},
+            {"spearman_pooled", m.spearman_pooled}};
+}
+
+program::Json json_of(const eval::Evaluation &evaluation,
+                      const std::vector<eval::Ablation> &ablations)
+{
+    const vdna_backbone_info &backbone = evaluation.backbone;
+    program::Json json = {
+        {"backbone", backbone.name},
+        {"model_sha256", backbone.model_sha256},
+        {"precision", backbone.precision},
+        {"taps", backbone.taps},
+        {"runtime", backbone.runtime},
+        {"dataset", evaluation.dataset},
+        {"bins", evaluation.bins},
+        {"warmup", warmup_of(evaluation)},
+        {"tolerance", evaluation.tolerance},
+        {"unit", name_of(evaluation.unit)},
+        {"stride", evaluation.stride},
+        {"cached", evaluation.cached},
+        {"computed", evaluation.computed},
+        {"queries", names_of_queries(evaluation)},
+        {"frames", frames_of(evaluation)},
+        {"methods", methods_of(evaluation.methods)},
+        {"recall", outcomes_of(evaluation, [](const eval::Outcome &o) { return o.recall[0]; })}};
+    for (size_t i = 1; i < eval::recall_depths.size(); i++)
+        json["recall_at"][std::to_string(eval::recall_depths[i])] =
+            outcomes_of(evaluation, [&](const eval::Outcome &o) { return o.recall[i]; });
+    json["counts"] = outcomes_of(evaluation, counts_of);
+    for (const eval::MethodResult &method : evaluation.methods)
+        if (!method.distance.empty())
+            json["distance"][method.name] = distances_of(evaluation, method);
+    for (const eval::Ablation &ablation : ablations) {
+        program::Json &rows = json["ablations"][ablation.kind] = program::Json::array();
+        for (const eval::AblationRow &row : ablation.rows)
+            rows.push_back({{"value", row.value}, {"methods", methods_of(row.methods)}});
+    }
+    return json;
+}
+
+std::string csv_of(const eval::Evaluation &evaluation)
+{
+    std::string csv = "query,reference,recall_percent,good,total,unreachable";
+    for (const eval::MethodResult &method : evaluation.methods)
+        if (!method.distance.empty())
+            csv += "," + quoted("distance_" + method.name);
+    csv += '\n';
+    const size_t columns = evaluation.references.size();
+    for (size_t q = 0; q < evaluation.queries.size(); q++) {
+        const eval::QueryResult &query = evaluation.queries[q];
+        const std::string &name = name_of(evaluation, query.traversal);
+        auto pair = query.pairs.begin();
+        for (size_t r = 0; r < columns; r++) {
+            const size_t cell = q * columns + r;
+            if (std::isnan(evaluation.recall[cell]))
+                continue;
+            csv += csv_row(name, name_of(evaluation, pair->reference), pair->outcome);
+            for (const eval::MethodResult &method : evaluation.methods)
+                if (!method.distance.empty())
+                    csv += "," + program::Json(method.distance[cell]).dump();
+            csv += '\n';
+            ++pair;
+        }
+        csv += csv_row(name, "all", query.all);
+        for (const eval::MethodResult &method : evaluation.methods)
+            csv += method.distance.empty() ? "" : ",";
+        csv += '\n';
+    }
+    return csv;
+}
+
+} // namespace vdna::report

@@ -1,0 +1,107 @@
+#include "report/result_npy.hpp"
+
+#include <algorithm>
+
+#include "program/print.hpp"
+#include "program/progress.hpp"
+#include "program/whole_file.hpp"
+#include "report/npy.hpp"
+
+namespace vdna::report
+{
+
+namespace
+{
+
+// One directory of files.
+class NpyFiles
+{
+  public:
+    NpyFiles(const eval::Evaluation &evaluation, const std::string &directory)
+        : evaluation_(evaluation), directory_(directory)
+    {
+        std::error_code failure;
+        std::filesystem::create_directories(directory, failure);
+        if (failure)
+            throw Error(directory + ": cannot make this directory: " + failure.message());
+    }
+
+    void write_tables() const
+    {
+        const std::vector<size_t> shape = {evaluation_.queries.size(),
+                                           evaluation_.references.size()};
+        write_npy(path("recall"), shape, evaluation_.recall);
+        for (const eval::MethodResult &method : evaluation_.methods)
+            if (!method.distance.empty())
+                write_npy(path("distance_" + method.name), shape, method.distance);
+        program::Json index;
+        for (const eval::QueryResult &query : evaluation_.queries)
+            index["queries"].push_back(traversal(query.traversal).name);
+        for (const size_t reference : evaluation_.references)
+            index["references"].push_back(traversal(reference).name);
+        program::write_whole_file(directory_ + "/index.json", index.dump(2) + "\n");
+    }
+
+    void write_traversals() const
+    {
+        for (const eval::Traversal &t : *evaluation_.traversals) {
+            const record::Recording &r = t.recording;
+            write_npy(path("embeddings_" + t.name), {r.frames, evaluation_.backbone.dim},
+                      r.embeddings);
+            write_npy(path("grey_" + t.name), {r.frames}, r.grey);
+            if (evaluation_.unit == record::Unit::metres)
+                write_npy(path("position_" + t.name), {r.frames, 3}, r.position);
+            else
+                write_npy(path("place_" + t.name), {r.frames}, r.place);
+        }
+    }
+
+    void write_query(const eval::QueryResult &query) const
+    {
+        const std::string &name = traversal(query.traversal).name;
+        std::vector<double> emd;
+        for (const eval::PairResult &pair : query.pairs) {
+            const eval::Traversal &reference = traversal(pair.reference);
+            const std::string names = name + "_" + reference.name;
+            const std::vector<size_t> shape = {query.live.size(), reference.recording.frames};
+            write_npy(path("difference_" + names), shape,
+                      eval::difference_matrix(evaluation_, query, pair.reference));
+            write_npy(path("ground_truth_" + names), shape,
+                      eval::ground_truth_matrix(evaluation_, query, pair.reference));
+            emd.insert(emd.end(), pair.neuron_emd_bins.begin(), pair.neuron_emd_bins.end());
+        }
+        write_npy(path("range_" + name), {query.range.size() / 2, 2}, query.range);
+        write_npy(path("emd_" + name), {query.pairs.size(), emd.size() / query.pairs.size()}, emd);
+    }
+
+  private:
+    const eval::Traversal &traversal(size_t index) const
+    {
+        return (*evaluation_.traversals)[index];
+    }
+
+    std::string path(std::string name) const
+    {
+        std::replace(name.begin(), name.end(), '/', '_');
+        return directory_ + "/" + name + ".npy";
+    }
+
+    const eval::Evaluation &evaluation_;
+    std::string directory_;
+};
+
+} // namespace
+
+void write_npy_files(const eval::Evaluation &evaluation, const std::string &directory)
+{
+    const NpyFiles files(evaluation, directory);
+    files.write_tables();
+    files.write_traversals();
+    program::Progress progress("writing .npy files", evaluation.queries.size());
+    for (const eval::QueryResult &query : evaluation.queries) {
+        files.write_query(query);
+        progress.advance();
+    }
+}
+
+} // namespace vdna::report

@@ -1,0 +1,23 @@
+// Matrices and descriptors of an evaluation as .npy files.
+#pragma once
+
+#include <string>
+
+#include "eval/evaluation.hpp"
+
+namespace vdna::report
+{
+
+// Into a directory, made if missing; a '/' in a traversal's name becomes '_' in file names:
+//   index.json                         names of the queries and references: rows and columns
+//   recall.npy, distance_METHOD.npy    [queries][references], NaN where there is no pair
+//   embeddings_TRAVERSAL.npy           [frames][dim], descriptors
+//   grey_, place_ or position_TRAVERSAL.npy  [frames] or [frames][3]
+//   difference_QUERY_REFERENCE.npy     [live frames][map frames]
+//   ground_truth_QUERY_REFERENCE.npy   the same, in the unit of the tolerance
+//   range_QUERY.npy                    [neurons][2]
+//   emd_QUERY.npy                      [references of the query][neurons], bins
+// Throws Error.
+void write_npy_files(const eval::Evaluation &evaluation, const std::string &directory);
+
+} // namespace vdna::report

@@ -1,0 +1,24 @@
+// The paper's tables as text.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "eval/ablation.hpp"
+#include "eval/evaluation.hpp"
+
+namespace vdna::report
+{
+
+// Per query the references by recall, then by each method; and the errors of the methods.
+// colour: misplaced ones are orange (one rank off) and red (two or more) as in the paper, by the
+// escape sequences of terminals; otherwise they are marked * and **.
+std::string tables_of(const eval::Evaluation &evaluation, bool colour);
+
+// One line per method.
+std::string error_table(const std::vector<eval::MethodResult> &methods);
+
+// One line per value.
+std::string table_of(const eval::Ablation &ablation);
+
+} // namespace vdna::report

@@ -1,0 +1,203 @@
+#include "telemetry/message_text.hpp"
+
+#include <array>
+#include <cstdarg>
+#include <cstdio>
+
+namespace vdna::telemetry
+{
+
+namespace
+{
+
+[[gnu::format(printf, 1, 2)]] std::string format(const char *pattern, ...)
+{
+    char text[1024];
+    va_list arguments;
+    va_start(arguments, pattern);
+    std::vsnprintf(text, sizeof text, pattern, arguments);
+    va_end(arguments);
+    return text;
+}
+
+// Also for a value that a later version may send.
+const char *validity_of(const vdna_msg_ranking_t &message)
+{
+    return message.validity == VDNA_MSG_RANKING_T_VALID       ? "VALID"
+           : message.validity == VDNA_MSG_RANKING_T_ABSTAINED ? "ABSTAINED"
+                                                              : "UNKNOWN";
+}
+
+const char *validity_of(const vdna_msg_localisation_t &message)
+{
+    return message.validity == VDNA_MSG_LOCALISATION_T_VALID        ? "VALID"
+           : message.validity == VDNA_MSG_LOCALISATION_T_WARMING_UP ? "WARMING_UP"
+           : message.validity == VDNA_MSG_LOCALISATION_T_REFUSED    ? "REFUSED"
+                                                                    : "UNKNOWN";
+}
+
+const char *state_of(const vdna_msg_status_t &message)
+{
+    return message.state == VDNA_MSG_STATUS_T_WARMUP     ? "WARMUP"
+           : message.state == VDNA_MSG_STATUS_T_SELECTED ? "SELECTED"
+                                                         : "UNKNOWN";
+}
+
+double ms(int64_t us)
+{
+    return static_cast<double>(us) / 1000;
+}
+
+struct NamedStage {
+    const char *name;
+    const vdna_msg_duration_t *duration;
+};
+
+// In the order of a frame's way.
+std::array<NamedStage, 8> stages_of(const vdna_msg_status_t &message)
+{
+    return {{{"queue", &message.queue},
+             {"decode", &message.decode},
+             {"resize", &message.resize},
+             {"inference", &message.inference},
+             {"select", &message.select},
+             {"rank", &message.rank},
+             {"publish", &message.publish},
+             {"total", &message.total}}};
+}
+
+nlohmann::ordered_json json_of(const vdna_msg_duration_t &duration)
+{
+    return {{"newest_us", duration.newest_us},
+            {"p50_us", duration.p50_us},
+            {"p99_us", duration.p99_us},
+            {"max_us", duration.max_us}};
+}
+
+} // namespace
+
+std::string text_of(const vdna_msg_ranking_t &message)
+{
+    std::string text =
+        format("ranking      %s after %d frames, margin %.3f bins, backbone %s\n",
+               validity_of(message), message.window_frames, message.margin_bins, message.backbone);
+    for (int32_t i = 0; i < message.count; i++)
+        text += format("%11d  %-32s %9.3f bins%s\n", i + 1, message.experience[i],
+                       message.distance_bins[i], message.tied[i] ? "  tied" : "");
+    text.pop_back();
+    return text;
+}
+
+std::string text_of(const vdna_msg_localisation_t &message)
+{
+    std::string text = format("localisation %s", validity_of(message));
+    if (message.validity == VDNA_MSG_LOCALISATION_T_VALID) {
+        text += format(" %s frame %d, distance %.3f", message.experience, message.frame,
+                       message.distance);
+        if (message.has_place)
+            text += format(", place %lld", static_cast<long long>(message.place));
+        if (message.has_position)
+            text += format(", position %.2f %.2f %.2f m", message.position[0], message.position[1],
+                           message.position[2]);
+    }
+    return text + format(" (%.1f ms)", ms(message.latency_us));
+}
+
+std::string text_of(const vdna_msg_status_t &message)
+{
+    const auto number = [](int64_t value) { return static_cast<long long>(value); };
+    const auto mb = [](int64_t bytes) { return static_cast<double>(bytes) / 1e6; };
+    std::string text = format(
+        "status       %s %.0f %%%s%s, received %lld, processed %lld, skipped %lld, refused %lld, "
+        "oversized %lld, rejected %lld, %.0f MB, at most %.0f MB",
+        state_of(message), 100 * message.progress, message.experience[0] ? " " : "",
+        message.experience, number(message.received), number(message.processed),
+        number(message.skipped), number(message.refused), number(message.oversized),
+        number(message.rejected), mb(message.resident_bytes), mb(message.resident_bytes_max));
+    if (message.processed > 0) {
+        text += "\n             ms, median/99th percentile/longest:";
+        for (const auto &[name, stage] : stages_of(message))
+            text += format(" %s %.1f/%.1f/%.1f", name, ms(stage->p50_us), ms(stage->p99_us),
+                           ms(stage->max_us));
+    }
+    if (message.message[0])
+        text += format("\n             last problem: %s", message.message);
+    return text;
+}
+
+nlohmann::ordered_json json_of(const vdna_msg_ranking_t &message)
+{
+    nlohmann::ordered_json entries = nlohmann::ordered_json::array();
+    for (int32_t i = 0; i < message.count; i++)
+        entries.push_back({{"experience", message.experience[i]},
+                           {"distance_bins", message.distance_bins[i]},
+                           {"tied", message.tied[i] != 0},
+                           {"predicted_recall", message.predicted_recall[i]}});
+    return {{"type", "ranking"},
+            {"utime", message.utime},
+            {"window_begin_utime", message.window_begin_utime},
+            {"window_frames", message.window_frames},
+            {"validity", validity_of(message)},
+            {"backbone", message.backbone},
+            {"comparable", message.comparable},
+            {"margin_bins", message.margin_bins},
+            {"ranking", entries}};
+}
+
+nlohmann::ordered_json json_of(const vdna_msg_localisation_t &message)
+{
+    const bool valid = message.validity == VDNA_MSG_LOCALISATION_T_VALID;
+    nlohmann::ordered_json json{{"type", "localisation"},
+                                {"utime", message.utime},
+                                {"validity", validity_of(message)},
+                                {"experience", nullptr},
+                                {"frame", nullptr},
+                                {"frame_utime", nullptr},
+                                {"place", nullptr},
+                                {"position", nullptr},
+                                {"distance", nullptr},
+                                {"predicted_recall", message.predicted_recall},
+                                {"latency_us", message.latency_us},
+                                {"skipped", message.skipped}};
+    if (!valid)
+        return json;
+    json["experience"] = message.experience;
+    json["frame"] = message.frame;
+    json["frame_utime"] = message.frame_utime;
+    json["distance"] = message.distance;
+    if (message.has_place)
+        json["place"] = message.place;
+    if (message.has_position)
+        json["position"] = message.position;
+    return json;
+}
+
+nlohmann::ordered_json json_of(const vdna_msg_status_t &message)
+{
+    nlohmann::ordered_json json{{"type", "status"},
+                                {"utime", message.utime},
+                                {"state", state_of(message)},
+                                {"progress", message.progress},
+                                {"experience", message.experience},
+                                {"experiences", message.experiences},
+                                {"backbone", message.backbone},
+                                {"version", message.version},
+                                {"received", message.received},
+                                {"processed", message.processed},
+                                {"refused", message.refused},
+                                {"skipped", message.skipped},
+                                {"oversized", message.oversized},
+                                {"rejected", message.rejected},
+                                {"restarts", message.restarts}};
+    for (const auto &[name, duration] : stages_of(message))
+        json[name] = json_of(*duration);
+    json["resident_bytes"] = message.resident_bytes;
+    json["resident_bytes_max"] = message.resident_bytes_max;
+    json["picture_bytes_max"] = message.picture_bytes_max;
+    json["window_frames_max"] = message.window_frames_max;
+    json["backlog_max"] = message.backlog_max;
+    json["message"] = message.message;
+    return json;
+}
+
+} // namespace vdna::telemetry

@@ -1,0 +1,43 @@
+/** @file vdna/cpp/experience.hpp
+ *  @brief One open experience file; it closes itself.
+ */
+#ifndef VDNA_CPP_EXPERIENCE_HPP
+#define VDNA_CPP_EXPERIENCE_HPP
+
+#include <filesystem>
+#include <utility>
+
+#include <vdna/cpp/error.hpp>
+#include <vdna/map.h>
+
+namespace vdna
+{
+
+class Experience
+{
+  public:
+    /** Throws Error. */
+    explicit Experience(const std::filesystem::path &path) : path_(path)
+    {
+        vdna_error error{};
+        require(vdna_experience_open(path.c_str(), &error, &experience_), error);
+    }
+    ~Experience() { vdna_experience_close(&experience_); }
+    Experience(Experience &&other) noexcept
+        : path_(std::move(other.path_)), experience_(std::exchange(other.experience_, {}))
+    {
+    }
+    Experience &operator=(Experience &&) = delete;
+
+    const vdna_experience *operator->() const { return &experience_; }
+    const vdna_experience *get() const { return &experience_; }
+    const std::filesystem::path &path() const { return path_; }
+
+  private:
+    std::filesystem::path path_;
+    vdna_experience experience_{};
+};
+
+} // namespace vdna
+
+#endif

@@ -1,0 +1,90 @@
+/** @file vdna/cpp/map.hpp
+ *  @brief The open experiences of a map directory; they close themselves.
+ */
+#ifndef VDNA_CPP_MAP_HPP
+#define VDNA_CPP_MAP_HPP
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <vdna/backbone.h>
+#include <vdna/cpp/error.hpp>
+#include <vdna/map.h>
+#include <vdna/select.h>
+
+namespace vdna
+{
+
+class Map
+{
+  public:
+    /** Open all experiences; throws Error, also if two of them do not compare. */
+    explicit Map(const std::string &directory) : directory_(directory)
+    {
+        vdna_error error{};
+        uint32_t count = 0;
+        require(vdna_map_count(directory.c_str(), &error, &count), error);
+        // One at least, so that vdna_map_open() is asked about an empty directory too.
+        experiences_.resize(std::max(count, 1u));
+        require(vdna_map_open(directory.c_str(), static_cast<uint32_t>(experiences_.size()), &error,
+                              experiences_.data(), &count),
+                error);
+        experiences_.resize(count);
+    }
+    ~Map()
+    {
+        for (vdna_experience &experience : experiences_)
+            vdna_experience_close(&experience);
+    }
+    Map(const Map &) = delete;
+    Map &operator=(const Map &) = delete;
+
+    /** At least one. */
+    const std::vector<vdna_experience> &experiences() const { return experiences_; }
+
+    /** The experiences as the selector wants them; borrowed from this map. */
+    std::vector<vdna_select_candidate> candidates() const
+    {
+        std::vector<vdna_select_candidate> candidates(experiences_.size());
+        for (size_t i = 0; i < candidates.size(); i++) {
+            vdna_experience_view(&experiences_[i], &candidates[i].dna);
+            candidates[i].embeddings = experiences_[i].embeddings;
+            candidates[i].frames = experiences_[i].frames;
+        }
+        return candidates;
+    }
+
+    /** Throw Error, naming the field and the remedy, unless `backbone` made this map. */
+    void require_backbone(const vdna_backbone_info &backbone) const
+    {
+        // All experiences of a map compare, so the first one speaks for them.
+        const vdna_experience &map = experiences_.front();
+        const auto require_same = [&](const char *field, const std::string &found,
+                                      const std::string &expected) {
+            if (found == expected)
+                return;
+            throw Error(directory_ + ": " + field + " of the map is " + found + " (backbone " +
+                        map.backbone + "), that of backbone " + backbone.name + " is " + expected +
+                        "; use the map's backbone, or rebuild the map with `vdna build --force "
+                        "--backbone " +
+                        backbone.name + "`");
+        };
+        // If precision explains the difference, report it instead of the hashes.
+        if (std::string(map.model_sha256) != backbone.model_sha256)
+            require_same("precision", map.precision, backbone.precision);
+        require_same("model_sha256", map.model_sha256, backbone.model_sha256);
+        require_same("preprocessing", map.preprocessing, backbone.preprocessing);
+        require_same("taps", map.taps, backbone.taps);
+        require_same("embedding size", std::to_string(map.dim), std::to_string(backbone.dim));
+    }
+
+  private:
+    std::string directory_;
+    std::vector<vdna_experience> experiences_;
+};
+
+} // namespace vdna
+
+#endif

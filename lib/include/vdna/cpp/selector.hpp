@@ -1,0 +1,73 @@
+/** @file vdna/cpp/selector.hpp
+ *  @brief A selector together with the memory it lives in.
+ */
+#ifndef VDNA_CPP_SELECTOR_HPP
+#define VDNA_CPP_SELECTOR_HPP
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <vdna/cpp/error.hpp>
+#include <vdna/select.h>
+
+namespace vdna
+{
+
+/** How long a warmup is; one of the two is 0. */
+struct Warmup {
+    uint32_t frames; /**< the first so many frames */
+    int64_t us;      /**< the first so many microseconds of camera time */
+};
+
+class Selector
+{
+  public:
+    /** Throws Error.
+     *  @param candidates  what they point to is borrowed as long as the selector is in use
+     *  @param dim  numbers in an embedding
+     *  @param where  names the map in the error */
+    Selector(std::vector<vdna_select_candidate> candidates, uint32_t dim, const Warmup &warmup,
+             const std::string &where)
+        : candidates_(std::move(candidates))
+    {
+        vdna_select_config config;
+        vdna_select_config_init(&config);
+        config.candidates = candidates_.data();
+        config.candidate_count = static_cast<uint32_t>(candidates_.size());
+        config.dim = dim;
+        config.warmup_frames = warmup.frames;
+        config.warmup_us = warmup.us;
+        const size_t size = vdna_select_mem_size(&config);
+        memory_.resize(size / sizeof(int64_t) + 1);
+        const vdna_status status = vdna_select_init(&config, memory_.data(), size, &select_);
+        if (status != VDNA_OK)
+            throw Error(where + ": cannot select among " + std::to_string(candidates_.size()) +
+                        " experiences: " + vdna_status_text(status) +
+                        "; rebuild the map with `vdna build`");
+    }
+    Selector(const Selector &) = delete;
+    Selector &operator=(const Selector &) = delete;
+
+    /** The C object, for every call that this class does not wrap. */
+    vdna_select *get() { return &select_; }
+    const vdna_select *get() const { return &select_; }
+    const vdna_select *operator->() const { return &select_; }
+    const std::vector<vdna_select_candidate> &candidates() const { return candidates_; }
+
+    /** Bytes that the selector holds. */
+    size_t memory_size() const
+    {
+        return memory_.size() * sizeof memory_[0] + candidates_.size() * sizeof candidates_[0];
+    }
+
+  private:
+    std::vector<vdna_select_candidate> candidates_;
+    std::vector<int64_t> memory_; // int64_t for its alignment
+    vdna_select select_{};
+};
+
+} // namespace vdna
+
+#endif
