@@ -1,14 +1,16 @@
-#include "comparable.h"
-#include "crc32c.h"
-#include "layout.h"
-#include "precision.h"
-#include "replace.h"
-#include "rules.h"
+#include "write.h"
+
 #include <assert.h>
 #include <fail.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <string.h>
+
+#include "comparable.h"
+#include "crc32c.h"
+#include "layout.h"
+#include "precision.h"
+#include "rules.h"
 
 /* Taps, preprocessing and five short texts, each byte escaped, and about 100 bytes for each tensor.
  */
@@ -134,9 +136,9 @@ static vdna_status check(const vdna_experience *experience, const char *path, vd
     return VDNA_OK;
 }
 
-/* see vdna/map.h */
-vdna_status vdna_experience_write(const vdna_experience *experience, const char *path,
-                                  vdna_error *error)
+/* see write.h */
+vdna_status vdna_write_beside(const vdna_experience *experience, const char *path,
+                              vdna_error *error, vdna_replace *out_file)
 {
     vdna_status status = check(experience, path, error);
     if (status != VDNA_OK)
@@ -147,13 +149,20 @@ vdna_status vdna_experience_write(const vdna_experience *experience, const char 
     vdna_layout_of(experience, fields);
     make_header(experience, fields, &header);
 
-    vdna_replace file;
-    status = vdna_replace_begin(path, error, &file);
+    status = vdna_replace_begin(path, error, out_file);
     if (status != VDNA_OK)
         return status;
-    status = write_parts(&file, &header, fields, error);
-    if (status == VDNA_OK)
-        return vdna_replace_commit(&file, error);
-    vdna_replace_abandon(&file);
+    status = write_parts(out_file, &header, fields, error);
+    if (status != VDNA_OK)
+        vdna_replace_abandon(out_file);
     return status;
+}
+
+/* see vdna/map.h */
+vdna_status vdna_experience_write(const vdna_experience *experience, const char *path,
+                                  vdna_error *error)
+{
+    vdna_replace file;
+    const vdna_status status = vdna_write_beside(experience, path, error, &file);
+    return status == VDNA_OK ? vdna_replace_commit(&file, VDNA_REPLACE_DURABLE, error) : status;
 }

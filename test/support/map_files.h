@@ -2,10 +2,12 @@
 #ifndef MAP_FILES_H
 #define MAP_FILES_H
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
 #include <vdna/map.h>
 
 #define SAMPLE_SHA256 "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"
@@ -111,6 +113,16 @@ static inline void save_file(const char *path, const void *bytes, size_t size)
     FILE *file = fopen(path, "wb");
     if (!file || fwrite(bytes, 1, size, file) != size || fclose(file) != 0)
         abort();
+}
+
+static inline int files_in(const char *path)
+{
+    DIR *listing = opendir(path);
+    int files = 0;
+    for (const struct dirent *entry; (entry = readdir(listing)) != NULL;)
+        files += entry->d_name[0] != '.';
+    closedir(listing);
+    return files;
 }
 
 #endif

@@ -1,27 +1,14 @@
 /* Writing experiences: only valid ones, and the old file or the new one, never a part of one. */
 #define _POSIX_C_SOURCE 200809L
-#include "map_files.h"
 #include <dirent.h>
 #include <math.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
-#include <cmocka.h>
-
-static int files_in(const char *path)
-{
-    DIR *listing = opendir(path);
-    int files = 0;
-    for (const struct dirent *entry; (entry = readdir(listing)) != NULL;)
-        files += entry->d_name[0] != '.';
-    closedir(listing);
-    return files;
-}
+#include "cmocka_all.h"
+#include "map_files.h"
 
 /* Allow files of `bytes`, as a full disk would; more raises SIGXFSZ. */
 static void limit_file_size(rlim_t bytes)

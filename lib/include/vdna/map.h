@@ -15,6 +15,7 @@ extern "C" {
 
 #define VDNA_MAP_FORMAT 1u          /**< version of the experience file format */
 #define VDNA_MAP_EXTENSION ".vdna"  /**< file name ending of an experience */
+#define VDNA_MAP_FILE_SIZE 256u     /**< bytes of a file's name in a map, its NUL included */
 #define VDNA_MAP_NAME_SIZE 64u      /**< bytes of a name, its NUL included */
 #define VDNA_MAP_PRECISION_SIZE 16u /**< bytes of a precision, its NUL included */
 #define VDNA_MAP_TEXT_SIZE 512u     /**< bytes of a longer text, its NUL included */
@@ -98,6 +99,25 @@ VDNA_API void vdna_experience_view(const vdna_experience *experience, vdna_hist_
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO */
 VDNA_API vdna_status vdna_map_count(const char *directory, vdna_error *error, uint32_t *out_count);
 
+/** One experience file of a map. */
+typedef struct vdna_map_file {
+    char name[VDNA_MAP_FILE_SIZE]; /**< "winter.vdna" */
+    char file[VDNA_MAP_FILE_SIZE]; /**< where its bytes are in the directory: the same, unless an
+                                      update was interrupted between being final and giving all new
+                                      files their names; the next update goes on with that */
+} vdna_map_file;
+
+/** List the experience files of a directory in the byte order of their names.
+ *  @param directory  a path
+ *  @param capacity  the most that `out_files` can hold
+ *  @param error  filled on failure; NULL = not wanted
+ *  @param out_files  [capacity], of which *out_count are filled
+ *  @param out_count  0 for a directory without any
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_NOMEM if there are more than `capacity`;
+ *          VDNA_ERR_FORMAT for a damaged record of an interrupted update */
+VDNA_API vdna_status vdna_map_list(const char *directory, uint32_t capacity, vdna_error *error,
+                                   vdna_map_file *out_files, uint32_t *out_count);
+
 /** Open all experiences of a map, in the byte order of their file names, and check that they
  *  compare and that their names differ.
  *  @param directory  a path
@@ -110,6 +130,40 @@ VDNA_API vdna_status vdna_map_count(const char *directory, vdna_error *error, ui
  *          `capacity`; what vdna_experience_open() and vdna_experience_compare() return */
 VDNA_API vdna_status vdna_map_open(const char *directory, uint32_t capacity, vdna_error *error,
                                    vdna_experience *out_experiences, uint32_t *out_count);
+
+/** A change of a map: experience files that appear, or replace others, together or not at all. One
+ *  thread at a time. */
+typedef struct vdna_map_update vdna_map_update;
+
+/** Begin to change a map. Nobody else can until it is closed or the process ends. First finishes an
+ *  update that was interrupted when it was final, and removes what others left behind.
+ *  @param directory  a path, which exists
+ *  @param error  filled on failure; NULL = not wanted
+ *  @param out_update  the caller's, to be ended with vdna_map_update_close()
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO, also if another program is changing the map;
+ *          VDNA_ERR_FORMAT; VDNA_ERR_NOMEM */
+VDNA_API vdna_status vdna_map_update_open(const char *directory, vdna_error *error,
+                                          vdna_map_update **out_update);
+
+/** Write an experience beside the map's files; vdna_map_update_commit() makes it NAME.vdna.
+ *  @param update  an open one; unchanged after an error
+ *  @param experience  as for vdna_experience_write(); needed for this call only
+ *  @param error  filled on failure; NULL = not wanted
+ *  @return VDNA_OK; VDNA_ERR_NOMEM; what vdna_experience_write() returns */
+VDNA_API vdna_status vdna_map_update_add(vdna_map_update *update, const vdna_experience *experience,
+                                         vdna_error *error);
+
+/** Put all that was added in its place. Readers, and a machine that loses its power at any moment,
+ *  find all of it or nothing (docs/SPEC-map.md says how).
+ *  @param update  an open one
+ *  @param error  filled on failure: says whether the map is unchanged, or the update is final and
+ * the next one finishes it; NULL = not wanted
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO */
+VDNA_API vdna_status vdna_map_update_commit(vdna_map_update *update, vdna_error *error);
+
+/** End it; what was added and not committed is gone.
+ *  @param update  NULL is allowed */
+VDNA_API void vdna_map_update_close(vdna_map_update *update);
 
 #ifdef __cplusplus
 }

@@ -1,9 +1,10 @@
-#include "replace.h"
+#include "replace/replace.h"
+
 #include <errno.h>
 #include <fail.h>
 #include <fcntl.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 /* Bytes of the longest path that Linux takes. */
@@ -47,12 +48,18 @@ static int create_partial(vdna_replace *file)
         }
         const int descriptor =
             openat(file->directory, file->partial, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        /* The lock tells a writer's file from one that a crash left; where there are none, do
+         * without.
+         */
+        if (descriptor >= 0)
+            flock(descriptor, LOCK_EX | LOCK_NB);
         if (descriptor >= 0 || errno != EEXIST)
             return descriptor;
     }
     return -1;
 }
 
+/* see replace.h */
 vdna_status vdna_replace_begin(const char *path, vdna_error *error, vdna_replace *out_file)
 {
     const char *slash = strrchr(path, '/');
@@ -69,6 +76,7 @@ vdna_status vdna_replace_begin(const char *path, vdna_error *error, vdna_replace
     return status;
 }
 
+/* see replace.h */
 vdna_status vdna_replace_write(const vdna_replace *file, const void *bytes, size_t size,
                                vdna_error *error)
 {
@@ -85,45 +93,75 @@ vdna_status vdna_replace_write(const vdna_replace *file, const void *bytes, size
     return VDNA_OK;
 }
 
-/* fsync() that no signal ends early. @return 0; -1 and errno */
-static int sync_descriptor(int descriptor)
+/* see replace.h */
+int vdna_replace_sync(int descriptor)
 {
     int result;
     do
         result = fsync(descriptor);
     while (result != 0 && errno == EINTR);
-    return result;
+    /* Some file systems cannot sync, and say EINVAL: there is no more to be done. */
+    return result != 0 && errno == EINVAL ? 0 : result;
 }
 
-vdna_status vdna_replace_commit(vdna_replace *file, vdna_error *error)
+static void end(vdna_replace *file)
 {
-    const char *failed = NULL;
-    if (sync_descriptor(file->file) != 0)
-        failed = "fsync";
-    else if (renameat(file->directory, file->partial, file->directory, file->name) != 0)
-        failed = "rename a complete .partial file to it";
-    if (failed) {
-        const vdna_status status = refused(file->path, failed, error);
-        vdna_replace_abandon(file);
-        return status;
-    }
+    close(file->file);
+    close(file->directory);
+}
+
+static vdna_status fail_and_abandon(vdna_replace *file, const char *what, vdna_error *error)
+{
+    const vdna_status status = refused(file->path, what, error);
+    vdna_replace_abandon(file);
+    return status;
+}
+
+/* see replace.h */
+vdna_status vdna_replace_commit(vdna_replace *file, int durability, vdna_error *error)
+{
+    if (durability == VDNA_REPLACE_DURABLE && vdna_replace_sync(file->file) != 0)
+        return fail_and_abandon(file, "fsync", error);
+    if (renameat(file->directory, file->partial, file->directory, file->name) != 0)
+        return fail_and_abandon(file, "rename a complete .partial file to it", error);
 
     vdna_status status = VDNA_OK;
-    /* Some file systems cannot sync a directory, and say EINVAL: there is no more to be done. */
-    if (sync_descriptor(file->directory) != 0 && errno != EINVAL)
+    if (durability == VDNA_REPLACE_DURABLE && vdna_replace_sync(file->directory) != 0)
         status = vdna_fail(error, VDNA_ERR_IO,
                            "%s: written, but cannot fsync its directory: %s; it may not survive a"
                            " loss of power, write it again",
                            file->path, strerror(errno));
-    /* All data is on the disk: closing has nothing left to report. */
-    close(file->file);
-    close(file->directory);
+    /* Whatever could be lost has been reported: closing has nothing to add. */
+    end(file);
     return status;
 }
 
+/* see replace.h */
+vdna_status vdna_replace_stage(vdna_replace *file, vdna_error *error)
+{
+    if (vdna_replace_sync(file->file) != 0)
+        return fail_and_abandon(file, "fsync", error);
+    end(file);
+    return VDNA_OK;
+}
+
+/* see replace.h */
 void vdna_replace_abandon(vdna_replace *file)
 {
     unlinkat(file->directory, file->partial, 0);
-    close(file->file);
-    close(file->directory);
+    end(file);
+}
+
+/* see replace.h */
+int vdna_replace_is_orphan(int directory, const char *name)
+{
+    const size_t length = strlen(name), ending = strlen(VDNA_REPLACE_ENDING);
+    if (length <= ending || strcmp(name + length - ending, VDNA_REPLACE_ENDING) != 0)
+        return 0;
+    const int file = openat(directory, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (file < 0)
+        return 0;
+    const int is_free = flock(file, LOCK_EX | LOCK_NB) == 0;
+    close(file);
+    return is_free;
 }

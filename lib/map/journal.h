@@ -1,0 +1,41 @@
+/* Private to lib/map: which new files of a map have taken the place of old ones, although they do
+ * not bear their names yet. The file `.commit` in the map's directory says so, from the one rename
+ * that makes an update of several files final until all of them are renamed (docs/SPEC-map.md). */
+#ifndef VDNA_JOURNAL_H
+#define VDNA_JOURNAL_H
+
+#include <vdna/map.h>
+
+#define VDNA_JOURNAL_NAME ".commit"
+
+/* A new file that is complete, and what it is to be called. */
+typedef struct vdna_journal_entry {
+    char partial[VDNA_MAP_FILE_SIZE];
+    char name[VDNA_MAP_FILE_SIZE];
+} vdna_journal_entry;
+
+typedef struct vdna_journal {
+    vdna_journal_entry *entries; /* [count], allocated; NULL if there are none */
+    uint32_t count;
+} vdna_journal;
+
+/* Read the journal of a directory; one that is not there is empty.
+ * @param directory  a descriptor
+ * @param path  of it, for the error
+ * @param out_journal  to be freed with vdna_journal_free()
+ * @return VDNA_OK; VDNA_ERR_IO; VDNA_ERR_FORMAT; VDNA_ERR_NOMEM */
+vdna_status vdna_journal_read(int directory, const char *path, vdna_error *error,
+                              vdna_journal *out_journal);
+
+/* Write it durably: from then on the update is final.
+ * @return VDNA_OK; VDNA_ERR_IO; VDNA_ERR_NOMEM */
+vdna_status vdna_journal_write(const char *path, const vdna_journal *journal, vdna_error *error);
+
+/* Rename what it lists and is not renamed yet, and remove it. May be repeated.
+ * @return VDNA_OK; VDNA_ERR_IO */
+vdna_status vdna_journal_finish(int directory, const char *path, const vdna_journal *journal,
+                                vdna_error *error);
+
+void vdna_journal_free(vdna_journal *journal);
+
+#endif
