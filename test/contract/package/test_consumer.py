@@ -65,10 +65,12 @@ def subdirectory(scratch):
 
 
 def readme(scratch):
-    """By the commands of the README, with this build's folder in place of theirs."""
+    """By the commands of the pages that the README leads to, with this build's folder in place of
+    theirs."""
     need("pkg-config")
-    section = (ROOT / "README.md").read_text().partition("\n## Install\n")[2].partition("\n## ")[0]
-    commands = [line.strip() for line in section.splitlines() if line.startswith("    ")]
+    pages = [ROOT / "docs" / page for page in ("operating/install.md", "start/own-program.md")]
+    commands = [line.strip() for page in pages for line in page.read_text().splitlines()
+                if line.startswith("    ")]
     os.environ["HOME"] = str(scratch)
     os.environ["PKG_CONFIG_PATH"] = str(scratch / "vdna" / "lib" / "pkgconfig")
     os.environ["LD_LIBRARY_PATH"] = str(scratch / "vdna" / "lib")

@@ -1,4 +1,5 @@
-# Fails if a part of lib/ includes a public header that its layer may not use (docs/DESIGN.md).
+# Fails if a part of lib/ includes a public header that its layer may not use
+# (docs/internals/DESIGN.md).
 set(core "activation|emd|hist|image|knn|range|rank|status|vdna|version|window")
 set(allowed_core "${core}")
 set(allowed_select "${core}|select")

@@ -1,4 +1,4 @@
-"""docs/memory-core.md from measurements: written, or compared with what is committed.
+"""docs/internals/memory-core.md from measurements: written, or compared with what is committed.
 
     memory_core.py RAM_PROGRAM [--write]
 
@@ -14,7 +14,7 @@ from pathlib import Path
 
 from machine import MACHINES, ROOT, CallGraph, Machine
 
-PAGE = ROOT / "docs" / "memory-core.md"
+PAGE = ROOT / "docs" / "internals" / "memory-core.md"
 EMBEDDED = ["cortex-m4", "cortex-m4f"]
 
 INTRODUCTION = """\
