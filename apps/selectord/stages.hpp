@@ -8,7 +8,7 @@
 namespace vdna::selectord
 {
 
-// Of all frames that were used; what each stage is: docs/SPEC-lcm.md.
+// Of all frames that were used; what each stage is: docs/reference/SPEC-lcm.md.
 struct Stages {
     Durations queue, decode, resize, inference, select, rank, publish, total;
 };

@@ -80,7 +80,7 @@ if(VDNA_APPS)
     DESTINATION lib/systemd/system COMPONENT programs EXCLUDE_FROM_ALL)
   foreach(page IN ITEMS vdna.1 vdna_selectord.8)
     string(REGEX REPLACE ".*\\." "" section ${page})
-    vdna_compress("${PROJECT_SOURCE_DIR}/docs/man/${page}" "${made}/${page}.gz")
+    vdna_compress("${PROJECT_SOURCE_DIR}/docs/reference/man/${page}" "${made}/${page}.gz")
     install(FILES "${made}/${page}.gz" DESTINATION "share/man/man${section}"
       COMPONENT programs EXCLUDE_FROM_ALL)
   endforeach()

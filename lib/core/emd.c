@@ -60,8 +60,8 @@ static span span_from(const vdna_hist_view *p, const vdna_hist_view *q, size_t f
     return s;
 }
 
-/* For the proof of add_row() in test/proof. `moved` is what a bin adds to the running difference;
- * that all of it fits is the bound which was checked before. */
+/* For the proof of add_row() in test/hostile/proof. `moved` is what a bin adds to the running
+ * difference; that all of it fits is the bound which was checked before. */
 /*@ lemma product: \forall integer x, y; 0 <= x <= UINT32_MAX && 0 <= y <= UINT32_MAX ==>
       0 <= x * y <= UINT64_MAX;
     predicate fits(integer difference, integer sum, integer moved) =

@@ -4,8 +4,8 @@
 
 #include <vdna/map.h>
 
-/* SHA-256, in hexadecimal, over the canonical text of docs/SPEC-map.md and the range's bytes. The
- * experience has passed vdna_rules_check(), so no text holds the newline that ends it. */
+/* SHA-256, in hexadecimal, over the canonical text of docs/reference/SPEC-map.md and the range's
+ * bytes. The experience has passed vdna_rules_check(): no text holds the newline that ends it. */
 void vdna_comparable_of(const vdna_experience *experience, char out_sha256[VDNA_MAP_SHA256_SIZE]);
 
 #endif

@@ -4,7 +4,8 @@
 
 #include <vdna/map.h>
 
-/* Limits of an experience file, so that a header fits a block of known size (docs/SPEC-map.md). */
+/* Limits of an experience file, so that a header fits a block of known size
+ * (docs/reference/SPEC-map.md). */
 #define VDNA_HEADER_TENSORS 32u
 #define VDNA_HEADER_TEXTS 32u
 #define VDNA_HEADER_KEY_SIZE 64u

@@ -4,7 +4,8 @@
 
 #include <vdna/map.h>
 
-/* Check every field except `comparable` against the rules of vdna/map.h and docs/SPEC-map.md.
+/* Check every field except `comparable` against the rules of vdna/map.h and
+ * docs/reference/SPEC-map.md.
  * @param reason  filled on failure, without the name of the file
  * @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NONFINITE; VDNA_ERR_MISMATCH for numbers that contradict
  *         each other */

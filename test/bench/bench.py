@@ -2,8 +2,8 @@
 """Measure speed and memory beside peers in the same run (./dev bench).
 
 Prints a table and keeps it in build/bench/MACHINE.json, where a group that is measured again
-replaces what was there. With --write-page, docs/performance.md and docs/memory.md with their plots
-are made of that file.
+replaces what was there. With --write-page, docs/internals/performance.md and memory.md with their
+plots are made of that file.
 """
 import argparse
 import importlib
@@ -29,8 +29,8 @@ def parsed():
     parser.add_argument("--peers", action="store_true",
                         help="get the packages to compare with from PyPI first (3 GB)")
     parser.add_argument("--write-page", action="store_true",
-                        help="measure nothing: write docs/performance.md and docs/memory.md of "
-                             "what was measured")
+                        help="measure nothing: write performance.md and memory.md in "
+                             "docs/internals of what was measured")
     parser.add_argument("--no-peers", action="store_true", help="leave them out if they are there")
     parser.add_argument("--tiny", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--build", type=Path, default=ROOT / "build", help=argparse.SUPPRESS)
@@ -113,7 +113,7 @@ def main():
     import machine
     path = options.out or build / "bench" / machine.file_name()
     if options.write_page:
-        write_pages(stored(path), ROOT / "docs")
+        write_pages(stored(path), ROOT / "docs" / "internals")
         return
 
     # Everything but the networks is on one thread, peers as well.

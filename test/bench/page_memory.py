@@ -1,4 +1,4 @@
-"""docs/memory.md and its plots, from what was measured."""
+"""docs/internals/memory.md and its plots, from what was measured."""
 from figures import beyond_bare_memory, judged, verdict
 from page_performance import drives_of, growth_rows, number, results_of
 from plot import lines
@@ -8,7 +8,7 @@ INTRODUCTION = """\
 
 What `vdna_selectord` takes on a robot. Written by `./dev bench --write-page` from what `./dev bench`
 measured; [performance.md](performance.md) says when, on which machine and with which versions.
-[onboard.md](onboard.md#memory) says of what parts this memory is and how to limit it,
+[onboard.md](../operating/onboard.md#memory) says of what parts this memory is and how to limit it,
 [memory-core.md](memory-core.md) what the C99 library takes by itself.
 
 """

@@ -1,4 +1,4 @@
-"""docs/performance.md and its plots, from what was measured."""
+"""docs/internals/performance.md and its plots, from what was measured."""
 from figures import judged, verdict
 from plot import bars, lines
 

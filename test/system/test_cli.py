@@ -1,7 +1,7 @@
 """The vdna program from outside: build, calibrate, info, rank, localise, and how they refuse.
 
-Pictures are made here, experience files are read here (docs/SPEC-map.md), and counts and distances
-are computed again in plain Python, so nothing is compared with itself.
+Pictures are made here, experience files are read here (docs/reference/SPEC-map.md), and counts and
+distances are computed again in plain Python, so nothing is compared with itself.
 """
 
 import json

@@ -2,7 +2,7 @@
  *  @brief What Visual DNA is compared with, and how rankings are judged.
  *
  *  Baselines: Frechet distance of embeddings, pixel intensity, chance. Metrics: how much recall a
- *  predicted ranking loses against the true one. Definitions: docs/DESIGN.md, section Metrics.
+ *  predicted ranking loses against the true one. Definitions: docs/internals/DESIGN.md, Metrics.
  */
 #ifndef VDNA_BASELINE_H
 #define VDNA_BASELINE_H

@@ -2,7 +2,7 @@
  *  @brief Earth Mover's Distance between histograms, exact.
  *
  *  Definition: the distance of the reference package of Visual DNA, in the unit of the paper's
- *  tables; docs/DESIGN.md says why it is summed in integers.
+ *  tables; docs/internals/DESIGN.md says why it is summed in integers.
  *
  *  Per neuron: the sum over the bins of |P[b] - Q[b]|, P and Q being the cumulative counts divided
  *  by their mass. Its unit is bins: moving every sample by k bins gives k. It is summed in

@@ -2,7 +2,7 @@
  *  @brief Experience files: one recorded traversal each, read by mmap without a copy, written
  *         crash-safely. A map is a directory of them.
  *
- *  The format is docs/SPEC-map.md: the safetensors layout, with checksums and metadata of ours.
+ *  The format, docs/reference/SPEC-map.md: the safetensors layout, with our checksums and metadata.
  */
 #ifndef VDNA_MAP_H
 #define VDNA_MAP_H

@@ -4,7 +4,7 @@
  *  A range table is `float[neurons][2]`, lo and hi of each neuron in activation units, exactly as
  *  the `range` tensor of an experience file. It is calibrated once from pictures of the map and
  *  shared by everything that is compared; a live frame never changes it. Where this departs from
- *  the reference package of Visual DNA, docs/DESIGN.md says why.
+ *  the reference package of Visual DNA, docs/internals/DESIGN.md says why.
  */
 #ifndef VDNA_RANGE_H
 #define VDNA_RANGE_H

@@ -2,8 +2,8 @@
  *  @brief LCM in and out: the newest camera frame and commands in; ranking, localisation and
  *         status out. No policy.
  *
- *  Messages, channels and units are docs/SPEC-lcm.md. Inbound bytes are checked in place before
- *  anything is believed. An LCM network is a trusted network: anyone on it can send.
+ *  Messages, channels and units: docs/reference/SPEC-lcm.md. Inbound bytes are checked in place
+ *  before anything is believed. An LCM network is a trusted network: anyone on it can send.
  *  LCM itself prints its complaints to standard error; errors here say what to do about them.
  */
 #ifndef VDNA_TRANSPORT_H

@@ -33,7 +33,7 @@ def test_what_is_written_is_read_again(tmp_path):
             getattr(read.histogram, name), getattr(written.histogram, name), name
         )
     assert (read.frames, read.dim) == (2, 5)
-    # As docs/SPEC-map.md has it for this very experience.
+    # As docs/reference/SPEC-map.md has it for this very experience.
     assert read.comparable == "33eb312321a71d537313127f48a50950d6620be9c61d9d81abd40b07496209eb"
     assert emd_mean(read.histogram, written.histogram) == 0
 

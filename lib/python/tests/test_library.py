@@ -42,7 +42,7 @@ def layout_of(struct):
 def test_structs_lie_in_memory_as_the_c_compiler_lays_them():
     program = os.environ.get("LIBVDNA_STRUCTS")
     if program is None:
-        pytest.skip("LIBVDNA_STRUCTS, the program made from test/language/structs.c, is not set")
+        pytest.skip("LIBVDNA_STRUCTS, the program made from test/contract/language/structs.c, is not set")
     output = subprocess.run([program], capture_output=True, text=True, check=True).stdout
     ours = {
         f"{name}.{field}": (offset, size)

@@ -157,7 +157,7 @@ class Experience:
         """Write the file crash-safely: an interrupted call leaves `path` as it was.
 
         VdnaError: ARG, NONFINITE or MISMATCH for an experience that breaks the rules of
-                   docs/SPEC-map.md, IO
+                   docs/reference/SPEC-map.md, IO
         """
         lib.vdna_experience_write(self._file, _path(path), Error())
 

@@ -1,0 +1,110 @@
+"""How many instructions the core takes, counted by callgrind: exactly repeatable, on any machine.
+
+    test_core.py            compare with baseline.json
+    test_core.py --renew    write baseline.json
+
+The core is compiled here, with fixed flags for any x86-64, so that the counts are those of the
+source and of the compiler alone. Another compiler than the baseline's gives other counts: then only
+the independence of the data is checked, which holds with each.
+
+VDNA_CORE is the folder of the core's sources, VDNA_INCLUDE that of the public headers.
+"""
+import glob
+import json
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
+CORE = os.environ.get("VDNA_CORE", os.path.join(ROOT, "lib", "core"))
+INCLUDE = os.environ.get("VDNA_INCLUDE", os.path.join(ROOT, "lib", "include"))
+BASELINE = os.path.join(HERE, "baseline.json")
+# The last one: as for proofs, without the copies of loops that the loader chooses by the processor.
+FLAGS = ["-std=c99", "-O3", "-march=x86-64", "-mtune=generic", "-ffp-contract=off", "-DVDNA_VECTORISED="]
+THINGS = ["hist_add", "emd", "rank", "knn"]
+KINDS = ["random", "constant", "sorted", "extreme"]
+DRIFT_MAX = 0.01      # from the baseline
+SPREAD_MAX = 1.02     # largest over smallest count, over all kinds of data
+
+
+def compiler():
+    return subprocess.run(["gcc", "--version"], capture_output=True, text=True,
+                          check=True).stdout.split("\n")[0]
+
+
+def build(folder):
+    program = os.path.join(folder, "instructions")
+    # Not to make calls of memset() out of our own memset().
+    subprocess.run(["gcc", *FLAGS, "-I", INCLUDE, "-fno-builtin",
+                    "-fno-tree-loop-distribute-patterns", "-c",
+                    os.path.join(HERE, "instructions.c"), "-o", program + ".o"], check=True)
+    subprocess.run(["gcc", *FLAGS, "-I", INCLUDE, program + ".o",
+                    *sorted(glob.glob(os.path.join(CORE, "*.c"))), "-o", program], check=True)
+    return program
+
+
+def count(program, thing, kind):
+    """Instructions of one call."""
+    result = subprocess.run(
+        ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", "--collect-atstart=no",
+         "--toggle-collect=measured", program, thing, kind], capture_output=True, text=True)
+    found = re.search(r"Collected : (\d+)", result.stderr)
+    if result.returncode != 0 or not found:
+        sys.exit(f"{thing} on {kind} data: valgrind exits with {result.returncode}: "
+                 f"{result.stderr}")
+    return int(found[1])
+
+
+def count_all():
+    with tempfile.TemporaryDirectory() as folder:
+        program = build(folder)
+        return {thing: {kind: count(program, thing, kind) for kind in KINDS} for thing in THINGS}
+
+
+def independence_faults(counts):
+    """Sentences about things whose cost depends on the data."""
+    for thing, kinds in counts.items():
+        spread = max(kinds.values()) / min(kinds.values())
+        print(f"{thing:9} {kinds['random']:10} instructions, largest/smallest {spread:.4f}")
+        if spread > SPREAD_MAX:
+            yield f"{thing} depends on the data, {spread:.4f} > {SPREAD_MAX}: {kinds}"
+
+
+def drift_faults(counts, baseline):
+    """Sentences about counts that are not those of the baseline."""
+    if compiler() != baseline["compiler"]:
+        print(f"the baseline is of {baseline['compiler']}, this is {compiler()}: not compared")
+        return
+    for thing, kinds in counts.items():
+        for kind, found in kinds.items():
+            expected = baseline["counts"][thing][kind]
+            if abs(found - expected) > DRIFT_MAX * expected:
+                yield (f"{thing} on {kind} data takes {found} instructions, {expected} expected "
+                       f"({100 * (found / expected - 1):+.1f} %); if that is meant, run: "
+                       f"python3 {os.path.relpath(__file__)} --renew")
+
+
+def main():
+    if platform.machine() != "x86_64" or not shutil.which("valgrind") or not shutil.which("gcc"):
+        print("skipped: needs an x86-64, gcc and valgrind")
+        return 77
+    counts = count_all()
+    faults = list(independence_faults(counts))
+    if sys.argv[1:] == ["--renew"]:
+        with open(BASELINE, "w", encoding="ascii") as file:
+            json.dump({"compiler": compiler(), "flags": FLAGS, "counts": counts}, file, indent=2)
+            file.write("\n")
+    with open(BASELINE, encoding="ascii") as file:
+        faults += drift_faults(counts, json.load(file))
+    for fault in faults:
+        print(fault)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
