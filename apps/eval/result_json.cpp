@@ -118,10 +118,10 @@ Json json_of(const vdna_ranking_metrics &m)
 Json json_of(const Evaluation &evaluation, const std::vector<Ablation> &ablations)
 {
     const vdna_backbone_info &backbone = evaluation.backbone;
-    Json json = {{"backbone", backbone.name},
-                 {"model_sha256", backbone.model_sha256},
-                 {"precision", backbone.precision},
-                 {"taps", backbone.taps},
+    Json json = {{"backbone", backbone.identity.backbone},
+                 {"model_sha256", backbone.identity.model_sha256},
+                 {"precision", vdna_identity_precision(&backbone.identity)},
+                 {"taps", backbone.identity.taps},
                  {"runtime", backbone.runtime},
                  {"dataset", evaluation.dataset},
                  {"bins", evaluation.bins},

@@ -48,7 +48,7 @@ Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
     : map_(map), backbone_(backbone), candidates_(map.candidates()), ranking_(map, backbone.info())
 {
     const vdna_select_config selector =
-        selector_config(config, candidates_, map.experiences().front().dim);
+        selector_config(config, candidates_, map.experiences().front().identity.dim);
     const size_t size = vdna_select_mem_size(&selector);
     selector_memory_.resize(size / sizeof(int64_t) + 1);
     const vdna_status status = vdna_select_init(&selector, selector_memory_.data(), size, &select_);

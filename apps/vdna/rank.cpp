@@ -88,7 +88,7 @@ Ranking rank_files(const RankOptions &options)
                          scratch.data(), scratch.size() * sizeof(int64_t), ranking.entries.data()),
                ranking.query);
     if (options.per_tap)
-        add_taps(ranking, files[0]->taps, query, candidates);
+        add_taps(ranking, files[0]->identity.taps, query, candidates);
     return ranking;
 }
 
@@ -105,7 +105,7 @@ class Selector
         vdna_select_config_init(&config);
         config.candidates = candidates_.data();
         config.candidate_count = static_cast<uint32_t>(candidates_.size());
-        config.dim = map.experiences().front().dim;
+        config.dim = map.experiences().front().identity.dim;
         const Warmup window = warmup_of(warmup);
         config.warmup_frames = window.frames;
         config.warmup_us = window.us;
@@ -149,7 +149,8 @@ Ranking rank_live(const RankOptions &options)
         throw Error(options.paths[1] + ": --exclude leaves no experience to rank");
     const vdna_experience &first = map.experiences().front();
     Selector selector(map, picked, options.warmup);
-    Backbone backbone(options.network.backbone.empty() ? first.backbone : options.network.backbone,
+    Backbone backbone(options.network.backbone.empty() ? first.identity.backbone
+                                                       : options.network.backbone,
                       options.network.threads);
     map.require_backbone(backbone.info());
 
@@ -173,7 +174,7 @@ Ranking rank_live(const RankOptions &options)
     if (options.per_tap) {
         vdna_hist_view live;
         vdna_hist_view_of(&selector->live, &live);
-        add_taps(ranking, first.taps, live, selector.views());
+        add_taps(ranking, first.identity.taps, live, selector.views());
     }
     return ranking;
 }

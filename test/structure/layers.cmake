@@ -1,13 +1,14 @@
 # Fails if a part of lib/ includes a public header that its layer may not use (docs/DESIGN.md).
 set(core "activation|emd|hist|image|knn|range|rank|status|vdna|version|window")
 set(allowed_core "${core}")
+set(allowed_identity "${core}|identity")
 set(allowed_select "${core}|select")
-set(allowed_map "${core}|map")
-set(allowed_backbone "${core}|backbone")
+set(allowed_map "${core}|identity|map")
+set(allowed_backbone "${core}|identity|backbone")
 set(allowed_baseline "${core}|baseline")
 set(allowed_transport "${core}|select|transport")
 
-foreach(part core select map backbone baseline transport)
+foreach(part core identity select map backbone baseline transport)
   file(GLOB_RECURSE sources "${ROOT}/lib/${part}/*.[ch]" "${ROOT}/lib/${part}/*.[ch]pp")
   if(NOT sources)
     message(SEND_ERROR "lib/${part}: no sources found")

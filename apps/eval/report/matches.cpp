@@ -34,8 +34,9 @@ std::string figure(const Evaluation &evaluation, const QueryResult &query, const
 {
     const Traversal &live = (*evaluation.traversals)[query.traversal];
     const Traversal &map = (*evaluation.traversals)[match.traversal];
-    const double apart = frames_apart(evaluation.unit, live.recording, match.live,
-                                      map_of(map.recording, evaluation.backbone.dim), match.frame);
+    const double apart =
+        frames_apart(evaluation.unit, live.recording, match.live,
+                     map_of(map.recording, evaluation.backbone.identity.dim), match.frame);
     const std::string frames =
         "frame " + std::to_string(match.live) + " | " + std::to_string(match.frame);
     const std::string distance =
