@@ -38,25 +38,22 @@ vdna_hist_view Counts::view(const std::vector<float> &range) const
 Binning::Binning(Frames &frames, const std::vector<std::string> &taps, uint32_t range_rule)
     : frames_(frames), range_rule_(range_rule), observed_(frames.traversals().size())
 {
-    const vdna_backbone_info &backbone = frames.backbone();
-    const std::vector<Tap> all = taps_of(backbone.taps, backbone.neurons);
-    require_known(taps, all, backbone.name);
+    const vdna_identity &identity = frames.backbone().identity;
+    const std::vector<Tap> all = taps_of(identity.taps, identity.neurons);
+    require_known(taps, all, identity.backbone);
     for (size_t i = 0; i < all.size(); i++) {
         if (!taps.empty() && std::find(taps.begin(), taps.end(), all[i].name) == taps.end())
             continue;
         const uint32_t size = static_cast<uint32_t>(all[i].end - all[i].begin);
         indices_.push_back(i);
-        taps_.push_back({all[i].name, neurons_, neurons_ + size, all[i].text});
+        taps_.push_back({all[i].name, neurons_, neurons_ + size, all[i].samples});
         neurons_ += size;
     }
 }
 
 std::string Binning::taps_text() const
 {
-    std::string text;
-    for (const Tap &tap : taps_)
-        text += (text.empty() ? "" : ",") + tap.text;
-    return text;
+    return text_of(taps_);
 }
 
 const std::vector<vdna_activations> &Binning::picked(size_t traversal, uint32_t frame)

@@ -30,7 +30,7 @@ class Binning
 
     uint32_t neurons() const { return neurons_; }
     const std::vector<Tap> &taps() const { return taps_; } // places among the neurons counted
-    std::string taps_text() const;                         // as in vdna_backbone_info
+    std::string taps_text() const;                         // as in an identity
 
     // [neurons][2], from all frames of these traversals.
     std::vector<float> range_of(const std::vector<size_t> &traversals);

@@ -78,8 +78,8 @@ class Run
     void describe()
     {
         result_.backbone = frames_.backbone();
-        result_.backbone.neurons = binning_.neurons();
-        std::snprintf(result_.backbone.taps, sizeof result_.backbone.taps, "%s",
+        result_.backbone.identity.neurons = binning_.neurons();
+        std::snprintf(result_.backbone.identity.taps, sizeof result_.backbone.identity.taps, "%s",
                       binning_.taps_text().c_str());
         result_.bins = settings_.bins;
         result_.warmup = settings_.warmup;
@@ -134,8 +134,8 @@ class Run
 
     void localise(QueryResult &query) const
     {
-        const QueryTask task{traversals_, query, frames_.backbone().dim, settings_.tolerance,
-                             unit_};
+        const QueryTask task{traversals_, query, frames_.backbone().identity.dim,
+                             settings_.tolerance, unit_};
         const std::vector<size_t> references = references_of(query.traversal);
         for (const size_t reference : references) {
             program::require_not_interrupted();
@@ -186,8 +186,8 @@ class Run
         const record::Recording &map = traversals_[reference].recording;
         double distance = 0;
         require(vdna_frechet(live.embeddings.data(), query.warmup_frames, map.embeddings.data(),
-                             map.frames, frames_.backbone().dim, &distance),
-                traversals_[reference].name + ": Frechet distance");
+                                map.frames, frames_.backbone().identity.dim, &distance),
+                   traversals_[reference].name + ": Frechet distance");
         return distance;
     }
 
@@ -261,7 +261,7 @@ Evaluation evaluate(const Frames &frames, Binning &binning, const EvaluationSett
 std::vector<float> difference_matrix(const Evaluation &evaluation, const QueryResult &query,
                                      size_t reference)
 {
-    const size_t dim = evaluation.backbone.dim;
+    const size_t dim = evaluation.backbone.identity.dim;
     const float *live = (*evaluation.traversals)[query.traversal].recording.embeddings.data();
     const float *map = (*evaluation.traversals)[reference].recording.embeddings.data();
     return matrix(evaluation, query, reference, [&](uint32_t i, uint32_t j) {
@@ -274,7 +274,7 @@ std::vector<float> ground_truth_matrix(const Evaluation &evaluation, const Query
 {
     const record::Recording &live = (*evaluation.traversals)[query.traversal].recording;
     const vdna_experience map =
-        map_of((*evaluation.traversals)[reference].recording, evaluation.backbone.dim);
+        map_of((*evaluation.traversals)[reference].recording, evaluation.backbone.identity.dim);
     return matrix(evaluation, query, reference, [&](uint32_t i, uint32_t j) {
         return record::frames_apart(evaluation.unit, live, i, map, j);
     });

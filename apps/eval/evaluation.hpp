@@ -72,7 +72,7 @@ struct MethodResult {
 
 struct Evaluation {
     std::string dataset;         // its path
-    vdna_backbone_info backbone; // `taps` and `neurons` are those that were used
+    vdna_backbone_info backbone; // its taps and neurons are those that were used
     uint32_t bins = 0;
     std::string warmup; // "100" frames or "45s"
     double tolerance = 0;

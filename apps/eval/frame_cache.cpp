@@ -46,9 +46,9 @@ vdna_backbone_frame CachedFrame::view() const
 }
 
 FrameCache::FrameCache(const Cache &cache, const vdna_backbone_info &backbone)
-    : cache_(cache),
-      network_(std::string("frame 2\n") + backbone.model_sha256 + "\n" + backbone.preprocessing +
-               "\n" + backbone.taps + "\n" + backbone.runtime + "\n")
+    : cache_(cache), network_(std::string("frame 2\n") + backbone.identity.model_sha256 + "\n" +
+                              backbone.identity.preprocessing + "\n" + backbone.identity.taps +
+                              "\n" + backbone.runtime + "\n")
 {
 }
 

@@ -53,7 +53,7 @@ vdna_experience map_of(const record::Recording &recording, uint32_t dim)
 {
     vdna_experience map{};
     map.frames = recording.frames;
-    map.dim = dim;
+    map.identity.dim = dim;
     map.embeddings = recording.embeddings.data();
     map.frame_place = recording.place.empty() ? nullptr : recording.place.data();
     map.frame_position = recording.position.empty() ? nullptr : recording.position.data();

@@ -1,5 +1,6 @@
 #include "record/ranges.hpp"
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -21,22 +22,32 @@ using Json = nlohmann::ordered_json;
 constexpr const char *format_name = "vdna-ranges";
 constexpr int format_version = 1;
 
-uint32_t neurons_of(const Ranges &ranges)
+// Ranges that are made with this network, whatever is known of its bins.
+Ranges ranges_of(const std::string &origin, const vdna_identity &identity,
+                 std::vector<float> values)
 {
-    return static_cast<uint32_t>(ranges.values.size() / 2);
+    Ranges ranges{origin, identity, std::move(values)};
+    ranges.identity.bins = 0;
+    ranges.identity.range = nullptr;
+    return ranges;
 }
 
 Ranges from_experience(const std::string &path)
 {
     const Experience file(path);
-    const vdna_experience &e = *file.get();
-    return {path,
-            e.backbone,
-            e.model_sha256,
-            e.precision,
-            e.preprocessing,
-            e.taps,
-            {e.range, e.range + size_t{2} * e.neurons}};
+    const vdna_identity &identity = file->identity;
+    return ranges_of(path, identity,
+                     {identity.range, identity.range + size_t{2} * identity.neurons});
+}
+
+// A text of a ranges file that goes into a field of fixed size.
+template <size_t Room>
+void copy_text(const std::string &path, const char *key, const std::string &text, char (&out)[Room])
+{
+    if (text.size() >= Room)
+        throw Error(path + ": " + key + " has " + std::to_string(text.size()) +
+                    " characters, expected at most " + std::to_string(Room - 1));
+    std::memcpy(out, text.c_str(), text.size() + 1);
 }
 
 Ranges from_json(const std::string &path, const Json &json)
@@ -44,16 +55,18 @@ Ranges from_json(const std::string &path, const Json &json)
     if (json.at("format") != format_name || json.at("version") != format_version)
         throw Error(path + ": found format " + json.at("format").dump() + " version " +
                     json.at("version").dump() + ", expected \"vdna-ranges\" version 1");
-    Ranges ranges{path,
-                  json.at("backbone"),
-                  json.at("model_sha256"),
-                  json.value("precision", "fp32"),
-                  json.at("preprocessing"),
-                  json.at("taps"),
-                  {}};
+    Ranges ranges{path, {}, {}};
+    vdna_identity &identity = ranges.identity;
+    copy_text(path, "backbone", json.at("backbone"), identity.backbone);
+    copy_text(path, "model_sha256", json.at("model_sha256"), identity.model_sha256);
+    copy_text(path, "precision", json.value("precision", VDNA_PRECISION_DEFAULT),
+              identity.precision);
+    copy_text(path, "preprocessing", json.at("preprocessing"), identity.preprocessing);
+    copy_text(path, "taps", json.at("taps"), identity.taps);
     for (const auto &[lo, hi] : json.at("range").get<std::vector<std::pair<float, float>>>())
         ranges.values.insert(ranges.values.end(), {lo, hi});
-    if (vdna_range_check(ranges.values.data(), neurons_of(ranges)) != VDNA_OK)
+    identity.neurons = static_cast<uint32_t>(ranges.values.size() / 2);
+    if (vdna_range_check(ranges.values.data(), identity.neurons) != VDNA_OK)
         throw Error(path + ": a range is empty or not finite, expected lo < hi for each neuron");
     return ranges;
 }
@@ -63,30 +76,26 @@ Ranges from_json(const std::string &path, const Json &json)
 const char *const range_rules[2] = {"midpoint", "zero"};
 
 Calibration::Calibration(const vdna_backbone_info &backbone)
-    : observed_{"calibration",
-                backbone.name,
-                backbone.model_sha256,
-                backbone.precision,
-                backbone.preprocessing,
-                backbone.taps,
-                std::vector<float>(size_t{2} * backbone.neurons)}
+    : observed_(ranges_of("calibration", backbone.identity,
+                          std::vector<float>(size_t{2} * backbone.identity.neurons)))
 {
-    require(vdna_range_clear(observed_.values.data(), backbone.neurons), observed_.origin);
+    require(vdna_range_clear(observed_.values.data(), observed_.identity.neurons),
+               observed_.origin);
 }
 
 void Calibration::observe(const vdna_backbone_frame &frame, const std::string &where)
 {
-    require(vdna_range_observe(observed_.values.data(), neurons_of(observed_), frame.taps,
-                               frame.tap_count),
-            where);
+    require(vdna_range_observe(observed_.values.data(), observed_.identity.neurons, frame.taps,
+                                  frame.tap_count),
+               where);
 }
 
 Ranges Calibration::ranges(uint32_t rule) const
 {
     Ranges expanded = observed_;
-    require(
-        vdna_range_expand(expanded.values.data(), neurons_of(expanded), VDNA_RANGE_FACTOR, rule),
-        expanded.origin);
+    require(vdna_range_expand(expanded.values.data(), expanded.identity.neurons,
+                                 VDNA_RANGE_FACTOR, rule),
+               expanded.origin);
     return expanded;
 }
 
@@ -114,32 +123,28 @@ void write_ranges(const Ranges &ranges, uint32_t rule, const std::string &path)
     Json pairs = Json::array();
     for (size_t i = 0; i < ranges.values.size(); i += 2)
         pairs.push_back({ranges.values[i], ranges.values[i + 1]});
-    const Json json = {{"format", format_name},         {"version", format_version},
-                       {"backbone", ranges.backbone},   {"model_sha256", ranges.model_sha256},
-                       {"precision", ranges.precision}, {"preprocessing", ranges.preprocessing},
-                       {"taps", ranges.taps},           {"factor", VDNA_RANGE_FACTOR},
-                       {"rule", range_rules[rule]},     {"range", pairs}};
+    const vdna_identity &identity = ranges.identity;
+    const Json json = {{"format", format_name},
+                       {"version", format_version},
+                       {"backbone", identity.backbone},
+                       {"model_sha256", identity.model_sha256},
+                       {"precision", vdna_identity_precision(&identity)},
+                       {"preprocessing", identity.preprocessing},
+                       {"taps", identity.taps},
+                       {"factor", VDNA_RANGE_FACTOR},
+                       {"rule", range_rules[rule]},
+                       {"range", pairs}};
     program::write_whole_file(path, json.dump() + "\n");
 }
 
 void require_backbone(const Ranges &ranges, const vdna_backbone_info &backbone)
 {
-    const auto require_same = [&](const char *field, const std::string &found,
-                                  const std::string &expected) {
-        if (found != expected)
-            throw Error(ranges.origin + ": " + field + " is " + found + " (backbone " +
-                        ranges.backbone + "), expected " + expected + " of backbone " +
-                        backbone.name + "; use the other backbone, or `vdna calibrate --backbone " +
-                        backbone.name + "`");
-    };
-    // Where it is the reason that the models differ, it says more than their hashes.
-    if (ranges.model_sha256 != backbone.model_sha256)
-        require_same("precision", ranges.precision, backbone.precision);
-    require_same("model_sha256", ranges.model_sha256, backbone.model_sha256);
-    require_same("preprocessing", ranges.preprocessing, backbone.preprocessing);
-    require_same("taps", ranges.taps, backbone.taps);
-    require_same("number of neurons", std::to_string(neurons_of(ranges)),
-                 std::to_string(backbone.neurons));
+    const std::string name = backbone.identity.backbone;
+    vdna_error why{};
+    if (vdna_identity_compare(&ranges.identity, &backbone.identity, &why) != VDNA_OK)
+        throw Error(ranges.origin + ": these ranges (of backbone " + ranges.identity.backbone +
+                    ") do not compare with backbone " + name + ": " + why.text +
+                    "; use the other backbone, or `vdna calibrate --backbone " + name + "`");
 }
 
 } // namespace vdna::record

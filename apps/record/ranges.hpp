@@ -13,12 +13,8 @@ namespace vdna::record
 
 // A range table and what it was calibrated with.
 struct Ranges {
-    std::string origin; // for complaints: the file it came from, or "calibration"
-    std::string backbone;
-    std::string model_sha256;
-    std::string precision;
-    std::string preprocessing;
-    std::string taps;
+    std::string origin;        // for complaints: the file it came from, or "calibration"
+    vdna_identity identity;    // bins and range are not known; dim may be so
     std::vector<float> values; // [neurons][2]
 };
 

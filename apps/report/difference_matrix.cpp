@@ -27,11 +27,11 @@ cv::Mat matrix_of(const record::Recording &live, const vdna_experience &experien
     cv::Mat matrix(static_cast<int>(live.frames), static_cast<int>(experience.frames), CV_32F);
     for (int i = 0; i < matrix.rows; i++) {
         program::require_not_interrupted();
-        const float *embedding = &live.embeddings[static_cast<size_t>(i) * experience.dim];
+        const float *embedding = &live.embeddings[static_cast<size_t>(i) * experience.identity.dim];
         for (int j = 0; j < matrix.cols; j++)
             matrix.at<float>(i, j) = static_cast<float>(record::embedding_distance(
-                embedding, experience.embeddings + static_cast<size_t>(j) * experience.dim,
-                experience.dim));
+                embedding, experience.embeddings + static_cast<size_t>(j) * experience.identity.dim,
+                experience.identity.dim));
     }
     return matrix;
 }

@@ -33,8 +33,8 @@ std::string headline(const eval::Evaluation &evaluation)
 {
     return text_element("h1", "Experience selection on " + evaluation.dataset) +
            text_element("p class=\"facts\"",
-                        evaluation.backbone.name + std::string(", ") + warmup_text(evaluation) +
-                            ", " + tolerance_text(evaluation) + "; " +
+                        evaluation.backbone.identity.backbone + std::string(", ") +
+                            warmup_text(evaluation) + ", " + tolerance_text(evaluation) + "; " +
                             std::to_string(evaluation.queries.size()) + " queries, " +
                             std::to_string(evaluation.references.size()) + " references") +
            text_element("p class=\"result\"", result_of(evaluation)) +
@@ -82,9 +82,10 @@ std::string making_section(const eval::Evaluation &evaluation, const std::string
     };
     list += "<dt>Command</dt><dd>" + text_element("code", command_line) + "</dd>";
     add("Program", std::string("vdna ") + vdna_version() + ", " + backbone.runtime);
-    add("Network", backbone.name + std::string(", SHA-256 ") + backbone.model_sha256);
-    add("Taps", backbone.taps);
-    add("Histograms", std::to_string(backbone.neurons) + " neurons of " +
+    add("Network",
+        backbone.identity.backbone + std::string(", SHA-256 ") + backbone.identity.model_sha256);
+    add("Taps", backbone.identity.taps);
+    add("Histograms", std::to_string(backbone.identity.neurons) + " neurons of " +
                           std::to_string(evaluation.bins) + " bins");
     add("Localised", evaluation.stride == 1 ? "every frame after the warmup"
                                             : "one in " + std::to_string(evaluation.stride) +

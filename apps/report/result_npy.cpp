@@ -46,7 +46,7 @@ class NpyFiles
     {
         for (const eval::Traversal &t : *evaluation_.traversals) {
             const record::Recording &r = t.recording;
-            write_npy(path("embeddings_" + t.name), {r.frames, evaluation_.backbone.dim},
+            write_npy(path("embeddings_" + t.name), {r.frames, evaluation_.backbone.identity.dim},
                       r.embeddings);
             write_npy(path("grey_" + t.name), {r.frames}, r.grey);
             if (evaluation_.unit == record::Unit::metres)

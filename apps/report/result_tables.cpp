@@ -159,8 +159,9 @@ std::string summary_of(const eval::Evaluation &evaluation)
 {
     return evaluation.dataset + ": " + std::to_string(evaluation.queries.size()) + " queries, " +
            std::to_string(evaluation.references.size()) + " references; " +
-           evaluation.backbone.name + ", " + std::to_string(evaluation.backbone.neurons) +
-           " neurons, " + std::to_string(evaluation.bins) + " bins; warmup " + evaluation.warmup +
+           evaluation.backbone.identity.backbone + ", " +
+           std::to_string(evaluation.backbone.identity.neurons) + " neurons, " +
+           std::to_string(evaluation.bins) + " bins; warmup " + evaluation.warmup +
            (evaluation.warmup.back() == 's' ? "" : " frames") + ", tolerance " +
            shortest(evaluation.tolerance) + " " + name_of(evaluation.unit) + ", stride " +
            std::to_string(evaluation.stride) + "\n";

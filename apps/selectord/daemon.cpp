@@ -36,7 +36,7 @@ Warmup warmup_of(const Config &config)
 } // namespace
 
 Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
-    : map_(map), backbone_(backbone), selector_(map.candidates(), map.experiences().front().dim,
+    : map_(map), backbone_(backbone), selector_(map.candidates(), map.experiences().front().identity.dim,
                                                 warmup_of(config), config.map_directory),
       ranking_(map, backbone.info())
 {

@@ -62,7 +62,7 @@ void say_ok(const Config &config, const Map &map, const Backbone &backbone)
         all.begin(), all.end(), uint64_t{0},
         [](uint64_t sum, const vdna_experience &experience) { return sum + experience.frames; });
     std::cout << "OK: " << config.map_directory << ": " << all.size() << " experiences, " << frames
-              << " frames; backbone " << backbone.info().name << " fits, on "
+              << " frames; backbone " << backbone.info().identity.backbone << " fits, on "
               << backbone.info().runtime << std::endl;
 }
 
@@ -77,7 +77,8 @@ void say_ready(const Config &config, const Map &map, const Backbone &backbone)
 {
     const char *url = url_in_force(config);
     std::cout << "vdna_selectord: READY map=" << config.map_directory
-              << " experiences=" << map.experiences().size() << " backbone=" << backbone.info().name
+              << " experiences=" << map.experiences().size()
+              << " backbone=" << backbone.info().identity.backbone
               << " url=" << (url ? url : "default") << std::endl;
 }
 

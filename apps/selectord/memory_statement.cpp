@@ -38,7 +38,7 @@ uint64_t bytes_of(const Map &map)
 {
     uint64_t bytes = 0;
     for (const vdna_experience &experience : map.experiences())
-        bytes += experience.mapping_size;
+        bytes += experience.file_size;
     return bytes;
 }
 
@@ -80,7 +80,8 @@ MemoryStatement::MemoryStatement(const Config &config, const StartUp &start_up, 
          static_cast<uint64_t>(start_up.program.now), true, false},
         {"map", experiences + " experience files, mapped and shared", bytes_of(map), false,
          !pinned},
-        {"backbone", std::string(backbone.info().name) + ": runtime, network and arena",
+        {"backbone",
+         std::string(backbone.info().identity.backbone) + ": runtime, network and arena",
          growth(start_up.map, start_up.backbone), true, false},
         {"core", "live histogram", histogram, false, false},
         {"core", "selector, ranking and stage times", daemon.size() - histogram, false, false},

@@ -26,7 +26,7 @@ RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone)
       tied_(experiences_.size()), recalls_(experiences_.size(), not_known)
 {
     message_.validity = VDNA_MSG_RANKING_T_VALID;
-    message_.backbone = borrow(backbone.name);
+    message_.backbone = borrow(backbone.identity.backbone);
     message_.comparable = borrow(experiences_.front().comparable);
     message_.count = static_cast<int32_t>(experiences_.size());
     message_.experience = names_.data();
@@ -146,7 +146,7 @@ vdna_msg_status_t status_of(const Health &health, int64_t utime)
     message.progress = vdna_select_progress(&health.select);
     message.experience = borrow(selected ? health.experiences[health.select.chosen].name : "");
     message.experiences = static_cast<int32_t>(health.experiences.size());
-    message.backbone = borrow(health.backbone.name);
+    message.backbone = borrow(health.backbone.identity.backbone);
     message.version = borrow(vdna_version());
     fill_counters(health, message);
     fill_stages(health.stages, message);

@@ -55,24 +55,16 @@ std::string name_of(const std::string &source)
 {
     const fs::path path = fs::weakly_canonical(source);
     std::string name = (fs::is_directory(path) ? path.filename() : path.stem()).string();
-    for (char &c : name)
-        if (!std::isalnum(static_cast<unsigned char>(c)) && !std::strchr("._-", c))
-            c = '_';
+    vdna_name_replace(name.data());
     return name;
 }
 
 void require_name(const std::string &name, const std::string &source)
 {
-    const auto allowed = [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               c == '.' || c == '_' || c == '-';
-    };
-    if (name.empty() || name.size() >= VDNA_MAP_NAME_SIZE || name[0] == '.' ||
-        !std::all_of(name.begin(), name.end(), allowed))
-        throw program::UsageError(
-            source + ": cannot be the experience '" + name +
-            "', expected 1 to 63 letters, digits, '.', '_' or '-' and no '.' first; "
-            "set --name");
+    if (vdna_name_check(name.c_str(), nullptr) != VDNA_OK || name[0] == '.')
+        throw program::UsageError(source + ": cannot be the experience '" + name + "', expected 1 to " +
+                        std::to_string(VDNA_NAME_SIZE - 1) +
+                        " " VDNA_NAME_ALPHABET " and no '.' first; set --name");
 }
 
 // What is to be made, refused before any work if a name is taken.
@@ -119,14 +111,6 @@ std::vector<Experience> remaining_of(const BuildOptions &options, const std::vec
     return remaining;
 }
 
-// A fixed-size text field of an experience.
-template <size_t size>
-void set_text(char (&field)[size], const std::string &text)
-{
-    std::memcpy(field, text.c_str(), std::min(text.size() + 1, size));
-    field[size - 1] = '\0';
-}
-
 // One run of the sub-command.
 class Build
 {
@@ -138,7 +122,7 @@ class Build
     {
         bins_ = options.bins != 0    ? options.bins
                 : remaining_.empty() ? VDNA_HIST_BINS_DEFAULT
-                                     : remaining_.front()->bins;
+                                     : remaining_.front()->identity.bins;
     }
 
     void run()
@@ -156,7 +140,7 @@ class Build
     {
         if (!options_.network.backbone.empty())
             return options_.network.backbone;
-        return remaining_.empty() ? default_backbone : remaining_.front()->backbone;
+        return remaining_.empty() ? default_backbone : remaining_.front()->identity.backbone;
     }
 
     // Take the ranges that were given or that the map has; false if there are none.
@@ -194,15 +178,9 @@ class Build
     vdna_experience blank() const
     {
         vdna_experience e{};
-        set_text(e.backbone, backbone_.info().name);
-        set_text(e.model_sha256, backbone_.info().model_sha256);
-        set_text(e.precision, backbone_.info().precision);
-        set_text(e.preprocessing, backbone_.info().preprocessing);
-        set_text(e.taps, backbone_.info().taps);
-        e.neurons = backbone_.info().neurons;
-        e.dim = backbone_.info().dim;
-        e.bins = bins_;
-        e.range = ranges_.values.data();
+        e.identity = backbone_.info().identity;
+        e.identity.bins = bins_;
+        e.identity.range = ranges_.values.data();
         return e;
     }
 
@@ -287,7 +265,7 @@ class Build
         const record::Recording &r = draft.recording;
         const Histogram &histogram = *draft.histogram;
         vdna_experience e = blank();
-        set_text(e.name, draft.name);
+        std::memcpy(e.name, draft.name.c_str(), draft.name.size() + 1); // require_name() passed
         e.frames = r.frames;
         e.counts = histogram->counts;
         e.mass = histogram->mass;
@@ -303,7 +281,7 @@ class Build
     {
         for (const Draft &draft : drafts_) {
             std::cout << draft.file.string() << ": " << draft.recording.frames << " frames, "
-                      << backbone_.info().neurons << " neurons x " << bins_ << " bins, "
+                      << backbone_.info().identity.neurons << " neurons x " << bins_ << " bins, "
                       << fs::file_size(draft.file) << " bytes, "
                       << program::fixed(100 * draft.histogram->saturated_share(), 2)
                       << " % beyond the ranges";
@@ -322,14 +300,14 @@ class Build
                                    {"source", draft.source},
                                    {"frames", draft.recording.frames},
                                    {"bad_frames", draft.recording.bad},
-                                   {"neurons", backbone_.info().neurons},
+                                   {"neurons", backbone_.info().identity.neurons},
                                    {"bins", bins_},
                                    {"bytes", fs::file_size(draft.file)},
                                    {"saturated_share", draft.histogram->saturated_share()}});
         program::print_json({{"map", options_.map},
-                             {"backbone", backbone_.info().name},
-                             {"ranges", ranges_.origin},
-                             {"experiences", experiences}});
+                    {"backbone", backbone_.info().identity.backbone},
+                    {"ranges", ranges_.origin},
+                    {"experiences", experiences}});
     }
 
     const BuildOptions &options_;

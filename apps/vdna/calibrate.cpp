@@ -37,8 +37,8 @@ void calibrate(CalibrateOptions options)
     if (frames == 0)
         throw Error("none of the " + std::to_string(bad) + " frames can be used");
     record::write_ranges(calibration.ranges(options.rule), options.rule, options.out);
-    std::cout << options.out << ": ranges of " << backbone.info().neurons << " neurons from "
-              << frames << " frames\n";
+    std::cout << options.out << ": ranges of " << backbone.info().identity.neurons
+              << " neurons from " << frames << " frames\n";
 }
 
 } // namespace

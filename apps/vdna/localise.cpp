@@ -32,7 +32,7 @@ struct LocaliseOptions {
 record::Recording record(const LocaliseOptions &options, const Map &map)
 {
     const NetworkOptions &network = options.network;
-    Backbone backbone(network.backbone.empty() ? map.experiences().front().backbone
+    Backbone backbone(network.backbone.empty() ? map.experiences().front().identity.backbone
                                                : network.backbone,
                       network.threads);
     map.require_backbone(backbone.info());

@@ -1,5 +1,6 @@
 // vdna model - networks: compare two precisions of one, and write what one is given.
 #include <algorithm>
+#include <cstring>
 
 #include "eval/evaluate.hpp"
 #include "eval/precision_change.hpp"
@@ -58,17 +59,18 @@ struct CheckResult {
 
 void require_one_network(const vdna_backbone_info &a, const vdna_backbone_info &b)
 {
-    const auto require_same = [&](const char *field, const std::string &of_a,
-                                  const std::string &of_b) {
-        if (of_a != of_b)
-            throw Error(std::string(b.name) + ": " + field + " is " + of_b + ", that of " + a.name +
-                        " is " + of_a + "; expected two precisions of one network");
-    };
-    require_same("preprocessing", a.preprocessing, b.preprocessing);
-    require_same("taps", a.taps, b.taps);
-    require_same("embedding size", std::to_string(a.dim), std::to_string(b.dim));
-    if (b.quantised_from[0] != '\0')
-        require_same("original", a.model_sha256, b.quantised_from);
+    const std::string names = std::string(a.identity.backbone) + " and " + b.identity.backbone;
+    const char *const expected = "; expected two precisions of one network";
+    // Their models differ: compare all else.
+    vdna_identity as_a = b.identity;
+    std::memcpy(as_a.model_sha256, a.identity.model_sha256, sizeof as_a.model_sha256);
+    vdna_error why{};
+    if (vdna_identity_compare(&a.identity, &as_a, &why) != VDNA_OK)
+        throw Error(names + " do not compare: " + why.text + expected);
+    if (b.quantised_from[0] != '\0' && std::strcmp(b.quantised_from, a.identity.model_sha256) != 0)
+        throw Error(names + " do not compare: model_sha256 of the first is " +
+                    a.identity.model_sha256 + ", the original is " + b.quantised_from +
+                    " for the second" + expected);
 }
 
 // A folder of pictures is a data set of one traversal, in which nothing can be localised.
@@ -133,8 +135,9 @@ CheckResult compare(std::array<Side, 2> &sides, const frames::Dataset &dataset,
     for (Side &side : sides)
         side.frames.emplace(dataset, side.backbone, cache, eval::FramesOptions{});
     CheckResult result{};
-    result.embedding = eval::embedding_change(
-        sides[0].frames->traversals(), sides[1].frames->traversals(), sides[0].backbone.info().dim);
+    result.embedding =
+        eval::embedding_change(sides[0].frames->traversals(), sides[1].frames->traversals(),
+                         sides[0].backbone.info().identity.dim);
     if (dataset.traversals.size() > 1) {
         for (Side &side : sides)
             evaluate_side(side, dataset);
@@ -151,9 +154,9 @@ program::Json json_of_spread(const eval::Spread &spread)
 
 program::Json json_of_network(const vdna_backbone_info &backbone)
 {
-    return {{"name", backbone.name},
-            {"precision", backbone.precision},
-            {"model_sha256", backbone.model_sha256}};
+    return {{"name", backbone.identity.backbone},
+            {"precision", vdna_identity_precision(&backbone.identity)},
+            {"model_sha256", backbone.identity.model_sha256}};
 }
 
 program::Json json_of_check(const std::array<Side, 2> &sides, const CheckResult &result)
@@ -199,7 +202,8 @@ void print_both(program::TextTable &table, const std::string &what, double a, do
 void print_queries(const std::array<Side, 2> &sides, const eval::RankingChange &ranking)
 {
     const std::vector<eval::Traversal> &traversals = sides[0].frames->traversals();
-    const vdna_backbone_info &a = sides[0].backbone.info(), &b = sides[1].backbone.info();
+    const vdna_identity &a = sides[0].backbone.info().identity,
+                        &b = sides[1].backbone.info().identity;
     program::TextTable table;
     table.add_row({"query", "swaps", std::string("first choice, ") + a.precision, b.precision,
                    std::string("its recall/%, ") + a.precision, b.precision});
@@ -220,9 +224,10 @@ void print_queries(const std::array<Side, 2> &sides, const eval::RankingChange &
 
 void print_text(const std::array<Side, 2> &sides, const CheckResult &result)
 {
-    const vdna_backbone_info &a = sides[0].backbone.info(), &b = sides[1].backbone.info();
-    std::cout << a.name << " (" << a.precision << ") and " << b.name << " (" << b.precision << "), "
-              << result.embedding.pictures << " pictures\n\n";
+    const vdna_identity &a = sides[0].backbone.info().identity,
+                        &b = sides[1].backbone.info().identity;
+    std::cout << a.backbone << " (" << a.precision << ") and " << b.backbone << " (" << b.precision
+              << "), " << result.embedding.pictures << " pictures\n\n";
     program::TextTable changes;
     changes.add_row({"change", "median", "greatest"});
     print_spread(changes, "embedding, relative L2/%", result.embedding.l2_percent, 2);

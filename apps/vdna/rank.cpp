@@ -91,7 +91,7 @@ Ranking rank_files(const RankOptions &options)
                       scratch.data(), scratch.size() * sizeof(int64_t), ranking.entries.data()),
             ranking.query);
     if (options.per_tap)
-        add_taps(ranking, files[0]->taps, query, candidates);
+        add_taps(ranking, files[0]->identity.taps, query, candidates);
     return ranking;
 }
 
@@ -125,9 +125,9 @@ Ranking rank_live(const RankOptions &options)
     std::vector<vdna_select_candidate> candidates;
     for (const size_t i : picked)
         candidates.push_back(map.candidates()[i]);
-    Selector selector(std::move(candidates), first.dim, record::warmup_of(options.warmup),
+    Selector selector(std::move(candidates), first.identity.dim, record::warmup_of(options.warmup),
                       options.paths[1]);
-    Backbone backbone(options.network.backbone.empty() ? first.backbone : options.network.backbone,
+    Backbone backbone(options.network.backbone.empty() ? first.identity.backbone : options.network.backbone,
                       options.network.threads);
     map.require_backbone(backbone.info());
 
@@ -151,7 +151,7 @@ Ranking rank_live(const RankOptions &options)
     if (options.per_tap) {
         vdna_hist_view live;
         vdna_hist_view_of(&selector->live, &live);
-        add_taps(ranking, first.taps, live, views_of(selector));
+        add_taps(ranking, first.identity.taps, live, views_of(selector));
     }
     return ranking;
 }

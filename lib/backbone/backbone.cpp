@@ -78,13 +78,22 @@ vdna_activations as_activations(const Output &output, uint32_t layout)
             layout};
 }
 
-std::string taps_text(const Manifest &manifest, const std::vector<vdna_activations> &taps)
+void write_taps(const Manifest &manifest, const std::vector<vdna_activations> &taps,
+                char (&out)[VDNA_TAPS_SIZE])
 {
-    std::string text;
-    for (size_t t = 0; t < taps.size(); t++)
-        text += (text.empty() ? "" : ",") + manifest.taps[t].output + ":" +
-                std::to_string(taps[t].neurons) + ":" + std::to_string(taps[t].samples);
-    return text;
+    for (size_t t = 0; t < taps.size(); t++) {
+        const std::string &name = manifest.taps[t].output;
+        const vdna_tap tap = {name.data(), name.size(), taps[t].neurons, taps[t].samples};
+        const vdna_status status = vdna_taps_append(out, sizeof out, &tap);
+        if (status == VDNA_ERR_NOMEM)
+            throw Failure(VDNA_ERR_FORMAT, "the list of taps has " + std::to_string(sizeof out) +
+                                               " characters or more; at most " +
+                                               std::to_string(sizeof out - 1) + " are expected");
+        if (status != VDNA_OK)
+            throw Failure(VDNA_ERR_FORMAT, "backbone " + manifest.name + ": the name of tap " +
+                                               std::to_string(t + 1) +
+                                               " has a character that is not printable ASCII");
+    }
 }
 
 // Copied in full or refused: a text cut short would make different backbones look alike.
@@ -111,16 +120,17 @@ void require_processor(const Manifest &manifest)
 void fill_info(vdna_backbone &backbone, const Manifest &manifest, uint32_t max_pixels)
 {
     vdna_backbone_info &info = backbone.info;
-    copy_text(info.name, manifest.name, "the backbone's name");
-    copy_text(info.model_sha256, manifest.sha256, "the SHA-256");
-    copy_text(info.preprocessing, preprocessing_text(manifest), "the preprocessing");
-    copy_text(info.taps, taps_text(manifest, backbone.taps), "the list of taps");
-    copy_text(info.precision, manifest.precision, "the precision");
+    vdna_identity &identity = info.identity;
+    copy_text(identity.backbone, manifest.name, "the backbone's name");
+    copy_text(identity.model_sha256, manifest.sha256, "the SHA-256");
+    copy_text(identity.preprocessing, preprocessing_text(manifest), "the preprocessing");
+    copy_text(identity.precision, manifest.precision, "the precision");
+    write_taps(manifest, backbone.taps, identity.taps);
+    identity.neurons = backbone.neurons;
+    identity.dim = static_cast<uint32_t>(backbone.embedding.size());
     copy_text(info.quantised_from, manifest.quantised_from, "the SHA-256 of the original");
     copy_text(info.runtime, "onnxruntime " + backbone.runtime.version(), "the runtime's version");
     info.tap_count = static_cast<uint32_t>(backbone.taps.size());
-    info.neurons = backbone.neurons;
-    info.dim = static_cast<uint32_t>(backbone.embedding.size());
     info.input_width = manifest.input.width;
     info.input_height = manifest.input.height;
     info.decode_bytes = Decoder::bytes_for(max_pixels);
@@ -158,11 +168,12 @@ void infer(vdna_backbone &backbone)
 
 void require_finite(const vdna_backbone &backbone)
 {
-    const vdna_activations embedding = {backbone.embedding.data(), backbone.info.dim, 1,
+    const vdna_activations embedding = {backbone.embedding.data(), backbone.info.identity.dim, 1,
                                         VDNA_LAYOUT_SAMPLES_NEURONS};
     if (vdna_activations_check(backbone.taps.data(), backbone.taps.size(), backbone.neurons) ||
         vdna_activations_check(&embedding, 1, embedding.neurons))
-        throw Failure(VDNA_ERR_NONFINITE, std::string("backbone ") + backbone.info.name +
+        throw Failure(VDNA_ERR_NONFINITE, std::string("backbone ") +
+                                              backbone.info.identity.backbone +
                                               ": gave a NaN or an infinity for this picture; "
                                               "expected numbers; leave the picture out");
 }
@@ -251,7 +262,7 @@ vdna_status vdna_backbone_run(vdna_backbone *backbone, const vdna_image *image, 
 
         *out_frame = {backbone->taps.data(),        backbone->embedding.data(),
                       backbone->session.input(),    backbone->taps.size(),
-                      backbone->info.dim,           grey,
+                      backbone->info.identity.dim,  grey,
                       elapsed_us(begin, decoded),   elapsed_us(decoded, resized),
                       elapsed_us(resized, inferred)};
     });

@@ -8,6 +8,8 @@
 
 #include <toml++/toml.h>
 
+#include <vdna/identity.h>
+
 #include "failure.hpp"
 #include "read_file.hpp"
 
@@ -18,9 +20,6 @@ namespace
 {
 
 constexpr size_t file_max = 1 << 16;
-constexpr size_t name_max = 63; // what vdna_backbone_info has room for
-constexpr const char *letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
-constexpr const char *digits = "0123456789";
 
 using Keys = std::initializer_list<std::string_view>;
 
@@ -106,18 +105,18 @@ std::string Reader::text(const toml::table &table, std::string_view key) const
 std::string Reader::plain_name(const toml::table &table, std::string_view key) const
 {
     const std::string name = text(table, key);
-    const std::string allowed = std::string(letters) + digits + "_-.";
-    if (name.size() > name_max || name.find_first_not_of(allowed) != std::string::npos)
+    // A NUL within the name would end it for the check.
+    if (vdna_name_check(name.c_str(), nullptr) != VDNA_OK || name.find('\0') != std::string::npos)
         refuse(table.get(key)->source(), "'" + std::string(key) + "' must be 1 to " +
-                                             std::to_string(name_max) +
-                                             " of letters, digits, '_', '-' and '.'");
+                                             std::to_string(VDNA_NAME_SIZE - 1) +
+                                             " " VDNA_NAME_ALPHABET);
     return name;
 }
 
 std::string Reader::output(const toml::table &table) const
 {
     const std::string name = text(table, "output");
-    // They separate taps in vdna_backbone_info.
+    // They separate taps, and the fields of one, in the list of an identity.
     if (name.find_first_of(":,") != std::string::npos)
         refuse(table.get("output")->source(), "'output' must be a name without ':' and ','");
     return name;
@@ -220,7 +219,7 @@ std::vector<TappedOutput> Reader::taps(const toml::table &root) const
 std::string Reader::precision(const toml::table &root) const
 {
     if (!root.contains("precision"))
-        return "fp32";
+        return VDNA_PRECISION_DEFAULT;
     return choice(root, "precision", {"fp32", "int8"}) == 1 ? "int8" : "fp32";
 }
 

@@ -1,5 +1,6 @@
 # amalgamation - core and select, which need nothing, as one vdna.c and one vdna.h in
-# BUILD/amalgamation. The map stays out: it needs POSIX and libmd, and so a build system anyway.
+# BUILD/amalgamation. Identity and map stay out: they need libmd and POSIX, and so a build system
+# anyway.
 block()
   set(inputs)
   foreach(part core select)
@@ -9,7 +10,7 @@ block()
     list(APPEND inputs ${sources})
   endforeach()
   list(APPEND inputs ${VDNA_HEADERS})
-  list(FILTER inputs EXCLUDE REGEX "/map\\.h$")
+  list(FILTER inputs EXCLUDE REGEX "/(identity|map)\\.h$")
 
   set(output "${PROJECT_BINARY_DIR}/amalgamation")
   file(MAKE_DIRECTORY "${output}")

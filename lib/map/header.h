@@ -21,7 +21,7 @@ typedef struct vdna_tensor {
 
 typedef struct vdna_metadata {
     char key[VDNA_HEADER_KEY_SIZE];
-    char value[VDNA_MAP_TAPS_SIZE]; /* of the longest text that is read */
+    char value[VDNA_TAPS_SIZE]; /* of the longest text that is read */
 } vdna_metadata;
 
 typedef struct vdna_header {

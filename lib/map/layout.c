@@ -8,10 +8,10 @@ void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDN
         {"frame_utime", "I64", 8, 0, e->frames, 0, e->frame_utime},
         {"frame_place", "I64", 8, 1, e->frames, 0, e->frame_place},
         {"frame_position", "F64", 8, 1, e->frames, 3, e->frame_position},
-        {"counts", "U32", 4, 0, e->bins, e->neurons, e->counts},
-        {"mass", "U32", 4, 0, e->neurons, 0, e->mass},
-        {"range", "F32", 4, 0, e->neurons, 2, e->range},
-        {"embeddings", "F32", 4, 0, e->frames, e->dim, e->embeddings},
+        {"counts", "U32", 4, 0, e->identity.bins, e->identity.neurons, e->counts},
+        {"mass", "U32", 4, 0, e->identity.neurons, 0, e->mass},
+        {"range", "F32", 4, 0, e->identity.neurons, 2, e->identity.range},
+        {"embeddings", "F32", 4, 0, e->frames, e->identity.dim, e->embeddings},
         {"frame_grey", "F32", 4, 0, e->frames, 0, e->frame_grey},
     };
     memcpy(out_fields, fields, sizeof fields);

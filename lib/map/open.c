@@ -83,8 +83,8 @@ vdna_status vdna_experience_open(const char *path, vdna_error *error,
         munmap(file.bytes, file.size);
         return vdna_fail(error, status, "%s: %s; %s", path, reason.text, remedy_of(status));
     }
-    out_experience->mapping = file.bytes;
-    out_experience->mapping_size = file.size;
+    out_experience->file_bytes = file.bytes;
+    out_experience->file_size = file.size;
     return VDNA_OK;
 }
 
@@ -93,9 +93,26 @@ void vdna_experience_close(vdna_experience *experience)
 {
     if (!experience)
         return;
-    if (experience->mapping)
-        munmap(experience->mapping, experience->mapping_size);
+    /* The cast takes const away, which is for callers: munmap() changes no byte. */
+    if (experience->file_bytes)
+        munmap((void *)experience->file_bytes, experience->file_size);
     memset(experience, 0, sizeof *experience);
+}
+
+/* see vdna/map.h */
+vdna_status vdna_experience_compare(const vdna_experience *a, const vdna_experience *b,
+                                    vdna_error *error)
+{
+    if (!a || !b)
+        return vdna_fail(error, VDNA_ERR_ARG, "experiences to compare must not be NULL");
+    vdna_error reason;
+    const vdna_status status = vdna_identity_compare(&a->identity, &b->identity, &reason);
+    if (status != VDNA_OK)
+        return vdna_fail(error, status,
+                         "experiences %s and %s do not compare: %s; rebuild one of them with `vdna"
+                         " build`, with the backbone, bins and ranges of the other",
+                         a->name, b->name, reason.text);
+    return VDNA_OK;
 }
 
 /* see vdna/map.h */
@@ -103,9 +120,9 @@ void vdna_experience_view(const vdna_experience *experience, vdna_hist_view *out
 {
     if (!experience || !out_view)
         return;
-    out_view->range = experience->range;
+    out_view->range = experience->identity.range;
     out_view->counts = experience->counts;
     out_view->mass = experience->mass;
-    out_view->neurons = experience->neurons;
-    out_view->bins = experience->bins;
+    out_view->neurons = experience->identity.neurons;
+    out_view->bins = experience->identity.bins;
 }

@@ -1,8 +1,6 @@
 #include "read.h"
-#include "comparable.h"
 #include "crc32c.h"
 #include "layout.h"
-#include "precision.h"
 #include "rules.h"
 #include <fail.h>
 #include <inttypes.h>
@@ -97,8 +95,9 @@ static vdna_status read_text(const vdna_header *header, const char *key, char *o
 static vdna_status read_precision(const vdna_header *header, vdna_error *reason, vdna_experience *e)
 {
     if (vdna_header_text(header, "precision"))
-        return read_text(header, "precision", e->precision, sizeof e->precision, reason);
-    memcpy(e->precision, VDNA_PRECISION_DEFAULT, sizeof VDNA_PRECISION_DEFAULT);
+        return read_text(header, "precision", e->identity.precision, sizeof e->identity.precision,
+                         reason);
+    memcpy(e->identity.precision, VDNA_PRECISION_DEFAULT, sizeof VDNA_PRECISION_DEFAULT);
     return VDNA_OK;
 }
 
@@ -110,10 +109,10 @@ static vdna_status read_texts(const vdna_header *header, vdna_error *reason, vdn
         size_t capacity;
     } texts[] = {
         {"name", e->name, sizeof e->name},
-        {"backbone", e->backbone, sizeof e->backbone},
-        {"model_sha256", e->model_sha256, sizeof e->model_sha256},
-        {"preprocessing", e->preprocessing, sizeof e->preprocessing},
-        {"taps", e->taps, sizeof e->taps},
+        {"backbone", e->identity.backbone, sizeof e->identity.backbone},
+        {"model_sha256", e->identity.model_sha256, sizeof e->identity.model_sha256},
+        {"preprocessing", e->identity.preprocessing, sizeof e->identity.preprocessing},
+        {"taps", e->identity.taps, sizeof e->identity.taps},
         {"comparable", e->comparable, sizeof e->comparable},
     };
     for (size_t t = 0; t < sizeof texts / sizeof *texts; t++) {
@@ -165,9 +164,10 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
                                 vdna_error *reason, vdna_experience *e)
 {
     vdna_field fields[VDNA_FIELD_COUNT];
-    vdna_status status = read_sizes(header, "counts", reason, &e->bins, &e->neurons);
+    vdna_status status =
+        read_sizes(header, "counts", reason, &e->identity.bins, &e->identity.neurons);
     if (status == VDNA_OK)
-        status = read_sizes(header, "embeddings", reason, &e->frames, &e->dim);
+        status = read_sizes(header, "embeddings", reason, &e->frames, &e->identity.dim);
     if (status == VDNA_OK)
         status = read_fields(bytes, header, e, reason, fields);
     if (status != VDNA_OK)
@@ -178,7 +178,7 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
     e->frame_position = fields[VDNA_FIELD_POSITION].data;
     e->counts = fields[VDNA_FIELD_COUNTS].data;
     e->mass = fields[VDNA_FIELD_MASS].data;
-    e->range = fields[VDNA_FIELD_RANGE].data;
+    e->identity.range = fields[VDNA_FIELD_RANGE].data;
     e->embeddings = fields[VDNA_FIELD_EMBEDDINGS].data;
     e->frame_grey = fields[VDNA_FIELD_GREY].data;
     return VDNA_OK;
@@ -186,8 +186,8 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
 
 static vdna_status check_comparable(const vdna_experience *e, vdna_error *reason)
 {
-    char sha256[VDNA_MAP_SHA256_SIZE];
-    vdna_comparable_of(e, sha256);
+    char sha256[VDNA_SHA256_SIZE] = "";
+    vdna_identity_hash(&e->identity, sha256); /* cannot fail: vdna_rules_check() passed */
     if (strcmp(sha256, e->comparable) != 0)
         return vdna_fail(reason, VDNA_ERR_FORMAT,
                          "comparable is not the SHA-256 of the other fields, which is %s", sha256);
@@ -202,7 +202,7 @@ vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reaso
                          "experience files are read in place, which needs a little-endian machine");
 
     vdna_header header;
-    vdna_experience e = {.mapping = NULL};
+    vdna_experience e = {.file_bytes = NULL};
     vdna_status status = vdna_header_read(bytes, size, reason, &header);
     if (status == VDNA_OK)
         status = check_version(&header, reason);

@@ -5,7 +5,7 @@
 #include "header.h"
 
 /* Check every byte of a file and point into it.
- * @param bytes  aligned for int64_t; borrowed by `out_experience`, whose mapping stays NULL
+ * @param bytes  aligned for int64_t; borrowed by `out_experience`, whose file_bytes stays NULL
  * @param reason  filled on failure, without the name of the file
  * @return VDNA_OK; VDNA_ERR_FORMAT; VDNA_ERR_CHECKSUM; VDNA_ERR_UNSUPPORTED */
 vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reason,

@@ -1,6 +1,5 @@
 #include "rules.h"
 #include "layout.h"
-#include "precision.h"
 #include <fail.h>
 #include <inttypes.h>
 #include <math.h>
@@ -9,78 +8,23 @@
 /* Neurons whose counts are added up at a time: their sums take 8 kB of stack. */
 #define SUM_BLOCK 1024u
 
-static int is_hex(char c)
+static vdna_status check_name(const vdna_experience *e, vdna_error *reason)
 {
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
-}
-
-static int is_name(char c)
-{
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
-           c == '_' || c == '-';
-}
-
-/* What every JSON writer writes alike, and without a newline. */
-static int is_printable(char c)
-{
-    return c >= ' ' && c <= '~';
-}
-
-/* Check a text in a field of `size` bytes, of which it may be an unterminated abuse. The text
- * itself stays out of the message: it may hold anything. */
-static vdna_status check_text(const char *what, const char *text, size_t size, int (*allowed)(char),
-                              const char *expected, vdna_error *reason)
-{
-    size_t i = 0;
-    while (i < size && text[i] != '\0' && allowed(text[i]))
-        i++;
-    if (i > 0 && i < size && text[i] == '\0')
-        return VDNA_OK;
-    return vdna_fail(reason, VDNA_ERR_ARG, "%s %s, expected 1 to %zu %s", what,
-                     i == size         ? "is too long"
-                     : text[i] == '\0' ? "is empty"
-                                       : "has a character that is not allowed",
-                     size - 1, expected);
-}
-
-static vdna_status check_sha256(const char *what, const char text[VDNA_MAP_SHA256_SIZE],
-                                vdna_error *reason)
-{
-    for (size_t i = 0; i < VDNA_MAP_SHA256_SIZE; i++)
-        if (i == VDNA_MAP_SHA256_SIZE - 1 ? text[i] != '\0' : !is_hex(text[i]))
-            return vdna_fail(reason, VDNA_ERR_ARG, "%s is not 64 lower-case hexadecimal digits",
-                             what);
+    vdna_error why;
+    if (vdna_name_check(e->name, &why) != VDNA_OK)
+        return vdna_fail(reason, VDNA_ERR_ARG, "name %s", why.text);
     return VDNA_OK;
-}
-
-static vdna_status check_texts(const vdna_experience *e, vdna_error *reason)
-{
-    static const char *const name = "letters, digits, '.', '_' or '-'";
-    static const char *const text = "printable ASCII characters";
-    vdna_status status = check_text("name", e->name, sizeof e->name, is_name, name, reason);
-    if (status == VDNA_OK)
-        status = check_text("backbone", e->backbone, sizeof e->backbone, is_name, name, reason);
-    if (status == VDNA_OK)
-        status = check_text("preprocessing", e->preprocessing, sizeof e->preprocessing,
-                            is_printable, text, reason);
-    if (status == VDNA_OK && !vdna_precision_is_default(e->precision))
-        status = check_text("precision", e->precision, sizeof e->precision, is_name, name, reason);
-    if (status == VDNA_OK)
-        status = check_text("taps", e->taps, sizeof e->taps, is_printable, text, reason);
-    if (status == VDNA_OK)
-        status = check_sha256("model_sha256", e->model_sha256, reason);
-    return status;
 }
 
 static vdna_status check_shape(const vdna_experience *e, vdna_error *reason)
 {
-    if (e->neurons == 0 || e->frames == 0 || e->dim == 0 || e->bins < VDNA_HIST_BINS_MIN ||
-        e->bins > VDNA_HIST_BINS_MAX)
+    if (e->identity.neurons == 0 || e->frames == 0 || e->identity.dim == 0 ||
+        e->identity.bins < VDNA_HIST_BINS_MIN || e->identity.bins > VDNA_HIST_BINS_MAX)
         return vdna_fail(reason, VDNA_ERR_ARG,
                          "it has %" PRIu32 " neurons, %" PRIu32 " bins, %" PRIu32
                          " frames and embeddings of %" PRIu32
                          " numbers, expected at least one of each and 2 to 65536 bins",
-                         e->neurons, e->bins, e->frames, e->dim);
+                         e->identity.neurons, e->identity.bins, e->frames, e->identity.dim);
 
     vdna_field fields[VDNA_FIELD_COUNT];
     vdna_layout_of(e, fields);
@@ -90,40 +34,13 @@ static vdna_status check_shape(const vdna_experience *e, vdna_error *reason)
     return VDNA_OK;
 }
 
-/* One "NAME:NEURONS:SAMPLES" of the taps. */
-typedef struct tap {
-    uint32_t neurons, samples;
-} tap;
-
-/* Read the number that ends before `end` and begins after a ':' at or after `begin`.
- * @return where the ':' is; NULL if there is no such number in 1..UINT32_MAX */
-static const char *number_before(const char *begin, const char *end, uint32_t *out_number)
+static vdna_status check_identity(const vdna_experience *e, vdna_error *reason)
 {
-    uint64_t number = 0, place = 1;
-    const char *at = end;
-    for (; at > begin && at[-1] >= '0' && at[-1] <= '9' && end - at < 10; at--) {
-        number += (uint64_t)(at[-1] - '0') * place;
-        place *= 10;
-    }
-    if (at == begin || at[-1] != ':' || at == end || *at == '0' || number > UINT32_MAX)
-        return NULL;
-    *out_number = (uint32_t)number;
-    return at - 1;
-}
-
-/* Read the tap at `text`. The numbers are found from its end: a NAME may hold a ':' itself.
- * @return where it ends; NULL if it is malformed */
-static const char *read_tap(const char *text, tap *out_tap)
-{
-    const char *const end = text + strcspn(text, ",");
-    const char *colon = number_before(text, end, &out_tap->samples);
-    if (colon)
-        colon = number_before(text, colon, &out_tap->neurons);
-    return colon && colon > text ? end : NULL;
+    return vdna_identity_check(&e->identity, reason);
 }
 
 /* Check that every neuron of a tap, the first being `first`, was sampled as often as it says. */
-static vdna_status check_tap_mass(const vdna_experience *e, size_t first, const tap *t,
+static vdna_status check_tap_mass(const vdna_experience *e, size_t first, const vdna_tap *t,
                                   vdna_error *reason)
 {
     const uint64_t expected = (uint64_t)e->frames * t->samples;
@@ -136,36 +53,17 @@ static vdna_status check_tap_mass(const vdna_experience *e, size_t first, const 
     return VDNA_OK;
 }
 
-static vdna_status check_taps(const vdna_experience *e, vdna_error *reason)
+static vdna_status check_mass(const vdna_experience *e, vdna_error *reason)
 {
-    uint64_t neurons = 0;
-    for (const char *at = e->taps;; at++) {
-        tap t;
-        at = read_tap(at, &t);
-        if (!at)
-            return vdna_fail(reason, VDNA_ERR_ARG,
-                             "taps is \"%.200s\", expected NAME:NEURONS:SAMPLES, comma, ...",
-                             e->taps);
-        if (neurons + t.neurons > e->neurons || (*at == '\0' && neurons + t.neurons < e->neurons))
-            return vdna_fail(reason, VDNA_ERR_MISMATCH,
-                             "the taps \"%.200s\" do not have the %" PRIu32 " neurons of the"
-                             " counts",
-                             e->taps, e->neurons);
-        const vdna_status status = check_tap_mass(e, (size_t)neurons, &t, reason);
-        if (status != VDNA_OK || *at == '\0')
+    size_t first = 0;
+    const char *rest = e->identity.taps;
+    vdna_tap tap;
+    while (vdna_taps_next(&rest, &tap) == VDNA_OK) {
+        const vdna_status status = check_tap_mass(e, first, &tap, reason);
+        if (status != VDNA_OK)
             return status;
-        neurons += t.neurons;
+        first += tap.neurons;
     }
-}
-
-static vdna_status check_range(const vdna_experience *e, vdna_error *reason)
-{
-    for (size_t n = 0; n < e->neurons; n++)
-        if (vdna_range_check(e->range + 2 * n, 1) != VDNA_OK)
-            return vdna_fail(reason, VDNA_ERR_ARG,
-                             "the range of neuron %zu is %g..%g, expected finite numbers, the"
-                             " first below the second",
-                             n, (double)e->range[2 * n], (double)e->range[2 * n + 1]);
     return VDNA_OK;
 }
 
@@ -174,8 +72,8 @@ static vdna_status check_range(const vdna_experience *e, vdna_error *reason)
 static void sum_block(const vdna_experience *e, size_t first, size_t count, uint64_t *restrict sums)
 {
     memset(sums, 0, count * sizeof *sums);
-    for (size_t b = 0; b < e->bins; b++) {
-        const uint32_t *restrict row = e->counts + b * e->neurons + first;
+    for (size_t b = 0; b < e->identity.bins; b++) {
+        const uint32_t *restrict row = e->counts + b * e->identity.neurons + first;
         for (size_t n = 0; n < count; n++)
             sums[n] += row[n];
     }
@@ -184,8 +82,9 @@ static void sum_block(const vdna_experience *e, size_t first, size_t count, uint
 static vdna_status check_counts(const vdna_experience *e, vdna_error *reason)
 {
     uint64_t sums[SUM_BLOCK];
-    for (size_t first = 0; first < e->neurons; first += SUM_BLOCK) {
-        const size_t count = e->neurons - first < SUM_BLOCK ? e->neurons - first : SUM_BLOCK;
+    for (size_t first = 0; first < e->identity.neurons; first += SUM_BLOCK) {
+        const size_t count =
+            e->identity.neurons - first < SUM_BLOCK ? e->identity.neurons - first : SUM_BLOCK;
         sum_block(e, first, count, sums);
         for (size_t n = 0; n < count; n++)
             if (sums[n] != e->mass[first + n])
@@ -209,7 +108,7 @@ static int all_finite(const float *values, size_t count)
 static vdna_status check_numbers(const vdna_experience *e, vdna_error *reason)
 {
     for (size_t f = 0; f < e->frames; f++) {
-        if (!all_finite(e->embeddings + f * e->dim, e->dim))
+        if (!all_finite(e->embeddings + f * e->identity.dim, e->identity.dim))
             return vdna_fail(reason, VDNA_ERR_NONFINITE,
                              "the embedding of frame %zu has a NaN or an infinity", f);
         if (!isfinite(e->frame_grey[f]))
@@ -231,7 +130,7 @@ static vdna_status check_numbers(const vdna_experience *e, vdna_error *reason)
 vdna_status vdna_rules_check(const vdna_experience *experience, vdna_error *reason)
 {
     static vdna_status (*const checks[])(const vdna_experience *, vdna_error *) = {
-        check_texts, check_shape, check_taps, check_range, check_counts, check_numbers};
+        check_name, check_shape, check_identity, check_mass, check_counts, check_numbers};
     for (size_t c = 0; c < sizeof checks / sizeof *checks; c++) {
         const vdna_status status = checks[c](experience, reason);
         if (status != VDNA_OK)

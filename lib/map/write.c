@@ -1,15 +1,14 @@
 #include "write.h"
 
 #include <assert.h>
-#include <fail.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <string.h>
 
-#include "comparable.h"
+#include <fail.h>
+
 #include "crc32c.h"
 #include "layout.h"
-#include "precision.h"
 #include "rules.h"
 
 /* Taps, preprocessing and five short texts, each byte escaped, and about 100 bytes for each tensor.
@@ -60,17 +59,18 @@ static void append_tensor(header_text *text, const vdna_field *field, uint64_t *
 
 static void append_metadata(header_text *text, const vdna_experience *e)
 {
-    char comparable[VDNA_MAP_SHA256_SIZE];
-    vdna_comparable_of(e, comparable);
+    char comparable[VDNA_SHA256_SIZE] = "";
+    const char *const precision = vdna_identity_precision(&e->identity);
+    vdna_identity_hash(&e->identity, comparable); /* cannot fail: vdna_rules_check() passed */
     append(text, "\"__metadata__\":{");
     append_text(text, "format", "vdna-experience");
     append_text(text, "name", e->name);
-    append_text(text, "backbone", e->backbone);
-    append_text(text, "model_sha256", e->model_sha256);
-    append_text(text, "preprocessing", e->preprocessing);
-    if (!vdna_precision_is_default(e->precision))
-        append_text(text, "precision", e->precision);
-    append_text(text, "taps", e->taps);
+    append_text(text, "backbone", e->identity.backbone);
+    append_text(text, "model_sha256", e->identity.model_sha256);
+    append_text(text, "preprocessing", e->identity.preprocessing);
+    if (strcmp(precision, VDNA_PRECISION_DEFAULT) != 0)
+        append_text(text, "precision", precision);
+    append_text(text, "taps", e->identity.taps);
     append_text(text, "comparable", comparable);
     append(text, "\"format_version\":\"%u\"},", VDNA_MAP_FORMAT);
 }

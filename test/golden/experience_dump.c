@@ -41,13 +41,14 @@ static void print_doubles(const char *name, const double *numbers, size_t count)
 
 static void print(const vdna_experience *e)
 {
-    const size_t neurons = e->neurons, frames = e->frames;
+    const size_t neurons = e->identity.neurons, frames = e->frames;
     printf("name %s\nbackbone %s\nmodel_sha256 %s\npreprocessing %s\ntaps %s\ncomparable %s\n",
-           e->name, e->backbone, e->model_sha256, e->preprocessing, e->taps, e->comparable);
-    print_unsigned("counts", e->counts, e->bins * neurons);
+           e->name, e->identity.backbone, e->identity.model_sha256, e->identity.preprocessing,
+           e->identity.taps, e->comparable);
+    print_unsigned("counts", e->counts, e->identity.bins * neurons);
     print_unsigned("mass", e->mass, neurons);
-    print_floats("range", e->range, 2 * neurons);
-    print_floats("embeddings", e->embeddings, frames * e->dim);
+    print_floats("range", e->identity.range, 2 * neurons);
+    print_floats("embeddings", e->embeddings, frames * e->identity.dim);
     print_signed("frame_utime", e->frame_utime, frames);
     print_signed("frame_place", e->frame_place, frames);
     print_doubles("frame_position", e->frame_position, 3 * frames);

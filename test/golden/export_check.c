@@ -103,10 +103,10 @@ int main(int argc, char **argv)
     vdna_backbone_info info;
     vdna_backbone_describe(backbone, &info);
     void *block = NULL;
-    vdna_hist hist = make_hist(info.neurons, (uint32_t)strtoul(argv[2], NULL, 10),
+    vdna_hist hist = make_hist(info.identity.neurons, (uint32_t)strtoul(argv[2], NULL, 10),
                                strtof(argv[3], NULL), strtof(argv[4], NULL), &block);
 
-    printf("%u %s\n", (unsigned)info.dim, info.taps);
+    printf("%u %s\n", (unsigned)info.identity.dim, info.identity.taps);
     for (int i = 5; i < argc; i++)
         run(backbone, &info, argv[i], &hist);
     write_out(hist.counts, sizeof *hist.counts, (size_t)hist.neurons * hist.bins);

@@ -10,6 +10,7 @@
 #define VDNA_BACKBONE_H
 
 #include <vdna/activation.h>
+#include <vdna/identity.h>
 #include <vdna/image.h>
 
 #ifdef __cplusplus
@@ -35,22 +36,18 @@ typedef struct vdna_backbone_config {
                                time, then the system's (default) */
 } vdna_backbone_config;
 
-/** What an open network is. The texts are what an experience file carries. */
+/** What an open network is. */
 typedef struct vdna_backbone_info {
-    char name[64];           /**< from the manifest */
-    char model_sha256[65];   /**< of the ONNX file, checked when it was opened */
-    char preprocessing[512]; /**< canonical: everything that shapes the network's input */
-    char taps[2048];         /**< "NAME:NEURONS:SAMPLES[,...]" */
-    char precision[16];      /**< of the arithmetic: "fp32" or "int8" */
-    char quantised_from[65]; /**< SHA-256 of the ONNX file that this one was made from; "" = none */
-    char runtime[64];        /**< "onnxruntime 1.28.0" */
-    uint32_t tap_count;      /**< >= 1 */
-    uint32_t neurons;        /**< of all taps */
-    uint32_t dim;            /**< numbers in an embedding */
-    uint32_t input_width;    /**< pixels */
-    uint32_t input_height;   /**< pixels */
-    uint64_t decode_bytes;   /**< most memory that decoding a camera's picture of max_pixels takes
-                                  after opening: MJPG, also progressive, or any raw format */
+    vdna_identity identity; /**< what experiences made with it carry; bins and range are not known,
+                                 the SHA-256 was checked when it was opened */
+    char quantised_from[VDNA_SHA256_SIZE]; /**< SHA-256 of the ONNX file that this one was made
+                                                from; "" = none */
+    char runtime[64];                      /**< "onnxruntime 1.28.0" */
+    uint32_t tap_count;                    /**< >= 1 */
+    uint32_t input_width;                  /**< pixels */
+    uint32_t input_height;                 /**< pixels */
+    uint64_t decode_bytes; /**< most memory that decoding a camera's picture of max_pixels takes
+                                after opening: MJPG, also progressive, or any raw format */
 } vdna_backbone_info;
 
 /** What one picture gave. All pointers are borrowed until the next call with this backbone. */
@@ -59,7 +56,7 @@ typedef struct vdna_backbone_frame {
     const float *embedding;       /**< [dim], L2-normalised if the manifest says so */
     const float *input;           /**< [3][input_height][input_width], what the network was given */
     size_t tap_count;             /**< as in vdna_backbone_info */
-    uint32_t dim;                 /**< as in vdna_backbone_info */
+    uint32_t dim;                 /**< as in the identity */
     float grey;                   /**< mean grey level of the whole picture, 0..255 (BT.601) */
     uint32_t decode_us;           /**< time spent decoding and converting */
     uint32_t resize_us;           /**< time spent resizing and normalising */

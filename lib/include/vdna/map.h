@@ -8,47 +8,34 @@
 #define VDNA_MAP_H
 
 #include <vdna/hist.h>
+#include <vdna/identity.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-#define VDNA_MAP_FORMAT 1u          /**< version of the experience file format */
-#define VDNA_MAP_EXTENSION ".vdna"  /**< file name ending of an experience */
-#define VDNA_MAP_FILE_SIZE 256u     /**< bytes of a file's name in a map, its NUL included */
-#define VDNA_MAP_NAME_SIZE 64u      /**< bytes of a name, its NUL included */
-#define VDNA_MAP_PRECISION_SIZE 16u /**< bytes of a precision, its NUL included */
-#define VDNA_MAP_TEXT_SIZE 512u     /**< bytes of a longer text, its NUL included */
-#define VDNA_MAP_TAPS_SIZE 2048u    /**< bytes of the list of taps, its NUL included */
-#define VDNA_MAP_SHA256_SIZE 65u    /**< 64 lower-case hexadecimal digits and a NUL */
+#define VDNA_MAP_FORMAT 1u         /**< version of the experience file format */
+#define VDNA_MAP_EXTENSION ".vdna" /**< file name ending of an experience */
+#define VDNA_MAP_FILE_SIZE 256u    /**< bytes of a file's name in a map, its NUL included */
 
 /** One experience. Reading fills it; to write one, fill it and call vdna_experience_write(). */
 typedef struct vdna_experience {
-    char
-        name[VDNA_MAP_NAME_SIZE]; /**< of the traversal: "winter"; letters, digits, '.', '_', '-' */
-    char backbone[VDNA_MAP_NAME_SIZE];       /**< name in the backbone's manifest; same alphabet */
-    char model_sha256[VDNA_MAP_SHA256_SIZE]; /**< of the ONNX file */
-    char preprocessing[VDNA_MAP_TEXT_SIZE];  /**< canonical text from the backbone */
-    char precision[VDNA_MAP_PRECISION_SIZE]; /**< of the network's arithmetic: "fp32", "int8"; same
-                                                  alphabet; "" means "fp32" */
-    char taps[VDNA_MAP_TAPS_SIZE]; /**< "NAME:NEURONS:SAMPLES[,...]" in the order of the neurons */
-    char comparable[VDNA_MAP_SHA256_SIZE]; /**< SHA-256 over everything that must agree for two
-                                                experiences to compare; the writer computes it */
-    uint32_t neurons;                      /**< of all taps */
-    uint32_t bins;                         /**< VDNA_HIST_BINS_MIN..VDNA_HIST_BINS_MAX */
-    uint32_t frames;                       /**< >= 1 */
-    uint32_t dim;                          /**< numbers in an embedding */
-    const float *range;                    /**< [neurons][2] */
-    const uint32_t *counts;                /**< [bins][neurons] */
-    const uint32_t *mass;                  /**< [neurons], sums of the counts */
-    const float *embeddings;               /**< [frames][dim], finite */
-    const int64_t *frame_utime;            /**< [frames], camera stamps in microseconds */
+    char name[VDNA_NAME_SIZE];         /**< of the traversal: "winter"; passes vdna_name_check() */
+    vdna_identity identity;            /**< what it compares with; in an experience all of it is
+                                            known. `range` is of the file, or of whoever fills it */
+    char comparable[VDNA_SHA256_SIZE]; /**< vdna_identity_hash(); the writer computes it */
+    uint32_t frames;                   /**< >= 1 */
+    const uint32_t *counts;            /**< [bins][neurons] */
+    const uint32_t *mass;              /**< [neurons], sums of the counts */
+    const float *embeddings;           /**< [frames][dim], finite */
+    const int64_t *frame_utime;        /**< [frames], camera stamps in microseconds */
     const int64_t *frame_place;   /**< [frames], place numbers; NULL = not labelled with places */
     const double *frame_position; /**< [frames][3], metres in one Cartesian frame shared by the
                                        map (ECEF if made from GPS); NULL = no positions */
     const float *frame_grey;      /**< [frames], mean grey level 0..255 */
-    void *mapping;                /**< private: the file's bytes; NULL if not from a file */
-    size_t mapping_size;          /**< private: bytes */
+    const void *file_bytes;       /**< [file_size], the whole file as it is mapped; NULL = not from
+                                       a file. Read it, never write it: closing unmaps it */
+    size_t file_size;             /**< bytes; 0 = not from a file */
 } vdna_experience;
 
 /** Open an experience file: map it, check every byte of it, point into it.
@@ -77,8 +64,8 @@ VDNA_API void vdna_experience_close(vdna_experience *experience);
 VDNA_API vdna_status vdna_experience_write(const vdna_experience *experience, const char *path,
                                            vdna_error *error);
 
-/** Check that two experiences may be compared: same model, preprocessing, taps, dim, bins and
- *  ranges. Names and lengths may differ.
+/** Check that two experiences may be compared, as vdna_identity_compare() does; names and lengths
+ *  may differ.
  *  @param a, b  open ones, or filled as for vdna_experience_write()
  *  @param error  filled on failure; NULL = not wanted
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_MISMATCH, and `error` names the first field that differs

@@ -48,8 +48,8 @@ def test_arrays_are_the_file_itself_and_keep_it_mapped(tmp_path):
     path = tmp_path / "winter.vdna"
     small_experience().write(path)
     experience = Experience.open(path)
-    begin = experience._file.mapping
-    end = begin + experience._file.mapping_size
+    begin = experience._file.file_bytes
+    end = begin + experience._file.file_size
     for name in ARRAYS:
         assert begin <= getattr(experience, name).ctypes.data < end, name
         with pytest.raises(ValueError):

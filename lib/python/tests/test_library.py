@@ -29,6 +29,7 @@ STRUCTS = {
     "vdna_select_frame": _library.SelectFrame,
     "vdna_select_answer": _library.SelectAnswer,
     "vdna_select": _library.Select,
+    "vdna_identity": _library.IdentityFields,
     "vdna_experience": _library.ExperienceFile,
 }
 

@@ -101,19 +101,22 @@ static void print_select(void)
 
 static void print_map(void)
 {
+    STRUCT(vdna_identity);
+    FIELD(vdna_identity, backbone);
+    FIELD(vdna_identity, model_sha256);
+    FIELD(vdna_identity, preprocessing);
+    FIELD(vdna_identity, precision);
+    FIELD(vdna_identity, taps);
+    FIELD(vdna_identity, neurons);
+    FIELD(vdna_identity, dim);
+    FIELD(vdna_identity, bins);
+    FIELD(vdna_identity, range);
+
     STRUCT(vdna_experience);
     FIELD(vdna_experience, name);
-    FIELD(vdna_experience, backbone);
-    FIELD(vdna_experience, model_sha256);
-    FIELD(vdna_experience, preprocessing);
-    FIELD(vdna_experience, precision);
-    FIELD(vdna_experience, taps);
+    FIELD(vdna_experience, identity);
     FIELD(vdna_experience, comparable);
-    FIELD(vdna_experience, neurons);
-    FIELD(vdna_experience, bins);
     FIELD(vdna_experience, frames);
-    FIELD(vdna_experience, dim);
-    FIELD(vdna_experience, range);
     FIELD(vdna_experience, counts);
     FIELD(vdna_experience, mass);
     FIELD(vdna_experience, embeddings);
@@ -121,8 +124,8 @@ static void print_map(void)
     FIELD(vdna_experience, frame_place);
     FIELD(vdna_experience, frame_position);
     FIELD(vdna_experience, frame_grey);
-    FIELD(vdna_experience, mapping);
-    FIELD(vdna_experience, mapping_size);
+    FIELD(vdna_experience, file_bytes);
+    FIELD(vdna_experience, file_size);
 }
 
 int main(void)

@@ -1,4 +1,4 @@
-"""Line, branch and MC/DC coverage of lib/core, lib/select and lib/map by their tests.
+"""Line, branch and MC/DC coverage of the C99 part by its tests.
 
 Builds the preset `coverage` with clang-19, runs the suites unit and golden, prints a table, and
 fails if anything is not covered that gaps.txt does not excuse. Exit code 77 = skipped: no clang-19.
@@ -14,7 +14,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 BUILD = ROOT / "build" / "coverage"
-PARTS = [ROOT / "lib" / part for part in ("core", "select", "map")]
+PARTS = [ROOT / "lib" / part for part in ("core", "identity", "select", "map")]
 TOOLS = ["clang-19", "llvm-profdata-19", "llvm-cov-19"]
 KINDS = ["line", "branch", "MC/DC"]
 
@@ -30,7 +30,7 @@ def run(*command, **options):
 
 
 def measure():
-    """Build and test; return llvm-cov's report of the three parts."""
+    """Build and test; return llvm-cov's report of the parts."""
     run("cmake", "--preset", "coverage")
     run("cmake", "--build", "--preset", "coverage")
     profiles = BUILD / "profiles"

@@ -17,7 +17,7 @@ static void use(const vdna_experience *e)
 {
     vdna_hist_view view;
     vdna_experience_view(e, &view);
-    const size_t scratch_size = vdna_emd_scratch_size(e->neurons);
+    const size_t scratch_size = vdna_emd_scratch_size(e->identity.neurons);
     void *scratch = malloc(scratch_size);
     double distance = 0;
     const vdna_status status = vdna_emd_mean(&view, &view, scratch, scratch_size, &distance);

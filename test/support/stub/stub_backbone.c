@@ -51,14 +51,11 @@ void vdna_backbone_describe(const vdna_backbone *backbone, vdna_backbone_info *o
     (void)backbone;
     const vdna_experience map = sample_experience();
     memset(out_info, 0, sizeof *out_info);
-    strcpy(out_info->name, map.backbone);
-    strcpy(out_info->model_sha256, map.model_sha256);
-    strcpy(out_info->preprocessing, map.preprocessing);
-    strcpy(out_info->taps, map.taps);
+    out_info->identity = map.identity;
+    out_info->identity.bins = 0;
+    out_info->identity.range = NULL;
     strcpy(out_info->runtime, "none");
     out_info->tap_count = 2;
-    out_info->neurons = map.neurons;
-    out_info->dim = map.dim;
 }
 
 static int64_t monotonic_us(void)

@@ -142,15 +142,15 @@ static void an_open_backbone_describes_itself(void **)
     vdna_backbone *backbone = opened(recipe);
     vdna_backbone_info info;
     vdna_backbone_describe(backbone, &info);
-    assert_string_equal(info.name, "tiny");
-    assert_int_equal(std::strlen(info.model_sha256), 64);
-    assert_string_equal(info.preprocessing,
+    assert_string_equal(info.identity.backbone, "tiny");
+    assert_int_equal(std::strlen(info.identity.model_sha256), 64);
+    assert_string_equal(info.identity.preprocessing,
                         "2x2 RGB mean=0,0,0 std=1,1,1 resize=stretch/area l2=0");
-    assert_string_equal(info.taps, "map:3:4,tokens:3:4");
+    assert_string_equal(info.identity.taps, "map:3:4,tokens:3:4");
     assert_memory_equal(info.runtime, "onnxruntime 1.", 14);
     assert_int_equal(info.tap_count, 2);
-    assert_int_equal(info.neurons, 6);
-    assert_int_equal(info.dim, 3);
+    assert_int_equal(info.identity.neurons, 6);
+    assert_int_equal(info.identity.dim, 3);
     assert_int_equal(info.input_width, 2);
     assert_int_equal(info.input_height, 2);
     vdna_backbone_close(backbone);
@@ -216,7 +216,7 @@ static void l2_normalisation_concerns_the_embedding_only(void **)
     assert_values(frame.taps[0].values, {3.0f, 4.0f, 0.0f});
     vdna_backbone_info info;
     vdna_backbone_describe(backbone, &info);
-    assert_non_null(std::strstr(info.preprocessing, "l2=1"));
+    assert_non_null(std::strstr(info.identity.preprocessing, "l2=1"));
     vdna_backbone_close(backbone);
 }
 

@@ -149,15 +149,15 @@ static void what_is_written_is_read_back(void **state)
     vdna_experience e;
     assert_int_equal(vdna_experience_open(path_in(&f->directory, "sample"), NULL, &e), VDNA_OK);
     assert_string_equal(e.name, sample.name);
-    assert_string_equal(e.backbone, sample.backbone);
-    assert_string_equal(e.model_sha256, sample.model_sha256);
-    assert_string_equal(e.preprocessing, sample.preprocessing);
-    assert_string_equal(e.taps, sample.taps);
-    assert_int_equal(e.neurons, 3);
-    assert_int_equal(e.bins, 4);
+    assert_string_equal(e.identity.backbone, sample.identity.backbone);
+    assert_string_equal(e.identity.model_sha256, sample.identity.model_sha256);
+    assert_string_equal(e.identity.preprocessing, sample.identity.preprocessing);
+    assert_string_equal(e.identity.taps, sample.identity.taps);
+    assert_int_equal(e.identity.neurons, 3);
+    assert_int_equal(e.identity.bins, 4);
     assert_int_equal(e.frames, 2);
-    assert_int_equal(e.dim, 5);
-    assert_memory_equal(e.range, sample.range, 3 * 2 * sizeof(float));
+    assert_int_equal(e.identity.dim, 5);
+    assert_memory_equal(e.identity.range, sample.identity.range, 3 * 2 * sizeof(float));
     assert_memory_equal(e.counts, sample.counts, 4 * 3 * sizeof(uint32_t));
     assert_memory_equal(e.mass, sample.mass, 3 * sizeof(uint32_t));
     assert_memory_equal(e.embeddings, sample.embeddings, 2 * 5 * sizeof(float));
@@ -165,12 +165,14 @@ static void what_is_written_is_read_back(void **state)
     assert_memory_equal(e.frame_place, sample.frame_place, 2 * sizeof(int64_t));
     assert_memory_equal(e.frame_position, sample.frame_position, 2 * 3 * sizeof(double));
     assert_memory_equal(e.frame_grey, sample.frame_grey, 2 * sizeof(float));
+    assert_int_equal(e.file_size, f->size);
+    assert_memory_equal(e.file_bytes, f->bytes, f->size);
 
     vdna_hist_view view;
     vdna_experience_view(&e, &view);
     assert_ptr_equal(view.counts, e.counts);
     assert_ptr_equal(view.mass, e.mass);
-    assert_ptr_equal(view.range, e.range);
+    assert_ptr_equal(view.range, e.identity.range);
     assert_int_equal(view.neurons, 3);
     assert_int_equal(view.bins, 4);
     const vdna_hist_view seen = view;
@@ -178,7 +180,8 @@ static void what_is_written_is_read_back(void **state)
     vdna_experience_view(&e, NULL);
     assert_memory_equal(&view, &seen, sizeof view);
     vdna_experience_close(&e);
-    assert_null(e.mapping);
+    assert_null(e.file_bytes);
+    assert_int_equal(e.file_size, 0);
     vdna_experience_close(&e);
     vdna_experience_close(NULL);
 }
@@ -204,16 +207,16 @@ static void a_precision_is_kept_and_fp32_where_none_is_said(void **state)
     const char *path = path_in(&f->directory, "int8");
     vdna_experience sample = sample_experience(), e;
     assert_int_equal(vdna_experience_open(path_in(&f->directory, "sample"), NULL, &e), VDNA_OK);
-    assert_string_equal(e.precision, "fp32");
+    assert_string_equal(e.identity.precision, "fp32");
     vdna_experience_close(&e);
 
-    strcpy(sample.precision, "int8");
+    strcpy(sample.identity.precision, "int8");
     assert_int_equal(vdna_experience_write(&sample, path, NULL), VDNA_OK);
     assert_int_equal(vdna_experience_open(path, NULL, &e), VDNA_OK);
-    assert_string_equal(e.precision, "int8");
+    assert_string_equal(e.identity.precision, "int8");
     vdna_experience_close(&e);
 
-    strcpy(sample.precision, "int 8");
+    strcpy(sample.identity.precision, "int 8");
     assert_int_equal(vdna_experience_write(&sample, path, NULL), VDNA_ERR_ARG);
 }
 
@@ -224,11 +227,11 @@ static void the_longest_taps_are_kept(void **state)
     static const char rest[] = ":2:4,top:1:1";
     vdna_experience sample = sample_experience(), e;
     /* Escaped in the file, each of these takes two bytes. */
-    memset(sample.taps, '"', sizeof sample.taps - sizeof rest);
-    memcpy(sample.taps + sizeof sample.taps - sizeof rest, rest, sizeof rest);
+    memset(sample.identity.taps, '"', sizeof sample.identity.taps - sizeof rest);
+    memcpy(sample.identity.taps + sizeof sample.identity.taps - sizeof rest, rest, sizeof rest);
     assert_int_equal(vdna_experience_write(&sample, path, NULL), VDNA_OK);
     assert_int_equal(vdna_experience_open(path, NULL, &e), VDNA_OK);
-    assert_string_equal(e.taps, sample.taps);
+    assert_string_equal(e.identity.taps, sample.identity.taps);
     vdna_experience_close(&e);
 }
 

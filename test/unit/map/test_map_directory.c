@@ -16,13 +16,13 @@ static void write_as(const directory *made, const char *file, const char *name, 
 
 static void assert_map_refused(const directory *made, vdna_status expected, const char *reason)
 {
-    vdna_experience map[4] = {{.mapping = NULL}};
+    vdna_experience map[4] = {{.file_bytes = NULL}};
     vdna_error error = {""};
     uint32_t count = 77;
     assert_int_equal(vdna_map_open(made->path, 4, &error, map, &count), expected);
     assert_int_equal(count, 77);
     for (size_t i = 0; i < 4; i++)
-        assert_null(map[i].mapping);
+        assert_null(map[i].file_bytes);
     if (!strstr(error.text, reason) || !strstr(error.text, made->path))
         fail_msg("expected the directory and \"%s\" in: %s", reason, error.text);
 }
@@ -123,7 +123,7 @@ static void an_experience_that_does_not_compare_refuses_the_map(void **state)
 {
     const directory *made = *state;
     vdna_experience other = sample_experience();
-    strcpy(other.preprocessing, "bgr 8x8");
+    strcpy(other.identity.preprocessing, "bgr 8x8");
     write_as(made, "a.vdna", "winter", sample_experience());
     write_as(made, "b.vdna", "summer", other);
     assert_map_refused(made, VDNA_ERR_MISMATCH,
@@ -148,14 +148,14 @@ static void a_comparison_names_the_first_field_that_differs(void **state)
         {sample, "bins is 4 in one and 8 in"},
         {sample, "range of neuron 2 is -2.5..2.5 in one and -2.5..2.75 in"},
     };
-    cases[0].other.model_sha256[5] = cases[1].other.model_sha256[5] = '0';
-    strcpy(cases[1].other.precision, "int8");
-    strcpy(cases[2].other.preprocessing, "other");
-    strcpy(cases[3].other.taps, "top:3:1");
-    cases[4].other.neurons = 2;
-    cases[5].other.dim = 4;
-    cases[6].other.bins = 8;
-    cases[7].other.range = range;
+    cases[0].other.identity.model_sha256[5] = cases[1].other.identity.model_sha256[5] = '0';
+    strcpy(cases[1].other.identity.precision, "int8");
+    strcpy(cases[2].other.identity.preprocessing, "other");
+    strcpy(cases[3].other.identity.taps, "top:3:1");
+    cases[4].other.identity.neurons = 2;
+    cases[5].other.identity.dim = 4;
+    cases[6].other.identity.bins = 8;
+    cases[7].other.identity.range = range;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         vdna_error error = {""};
         assert_int_equal(vdna_experience_compare(&sample, &cases[i].other, &error),
@@ -176,7 +176,7 @@ static void names_lengths_and_labels_may_differ(void **state)
     const vdna_experience sample = sample_experience();
     vdna_experience other = sample;
     strcpy(other.name, "summer");
-    strcpy(other.backbone, "the-same-network-renamed");
+    strcpy(other.identity.backbone, "the-same-network-renamed");
     other.frames = 1;
     other.frame_place = NULL;
     assert_int_equal(vdna_experience_compare(&sample, &other, NULL), VDNA_OK);

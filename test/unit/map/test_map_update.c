@@ -63,7 +63,7 @@ enum { NAMES = 3 };
 static vdna_experience experience_of(const char *name, float version, float *embeddings)
 {
     vdna_experience e = sample_experience();
-    memcpy(embeddings, e.embeddings, sizeof(float) * e.frames * e.dim);
+    memcpy(embeddings, e.embeddings, sizeof(float) * e.frames * e.identity.dim);
     embeddings[0] = version;
     e.embeddings = embeddings;
     strcpy(e.name, name);

@@ -46,30 +46,30 @@ static void what_breaks_a_rule_is_not_written(void **state)
     memset(e.name, 'a', sizeof e.name);
     assert_not_written(*state, &e, VDNA_ERR_ARG, "name is too long");
     e = sample;
-    strcpy(e.preprocessing, "two\nlines");
+    strcpy(e.identity.preprocessing, "two\nlines");
     assert_not_written(*state, &e, VDNA_ERR_ARG, "preprocessing has a character");
     e = sample;
-    strcpy(e.model_sha256, "none");
+    strcpy(e.identity.model_sha256, "none");
     assert_not_written(*state, &e, VDNA_ERR_ARG, "model_sha256");
     e = sample;
     e.frames = 0;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "0 frames");
     e = sample;
-    e.neurons = 0;
+    e.identity.neurons = 0;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "0 neurons");
     e = sample;
-    e.dim = 0;
+    e.identity.dim = 0;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "embeddings of 0 numbers");
     e = sample;
-    e.bins = 1;
+    e.identity.bins = 1;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "1 bins");
-    e.bins = 65537;
+    e.identity.bins = 65537;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "65537 bins");
     e = sample;
     e.frame_grey = NULL;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "frame_grey is missing");
     e = sample;
-    e.range = range;
+    e.identity.range = range;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "the range of neuron 0");
     e = sample;
     e.mass = mass;
@@ -104,7 +104,7 @@ static void preprocessing_is_printable_ascii(void **state)
     vdna_experience e = sample_experience();
     for (int c = 1; c < 256; c++)
         if (c < ' ' || c > '~') {
-            e.preprocessing[2] = (char)c;
+            e.identity.preprocessing[2] = (char)c;
             assert_not_written(*state, &e, VDNA_ERR_ARG, "preprocessing has a character");
         }
 }
@@ -120,11 +120,11 @@ static void counts_of_many_neurons_are_all_added_up(void **state)
         counts[NEURONS + n] = mass[n] = 1;
     }
     vdna_experience e = sample_experience();
-    strcpy(e.taps, "many:2500:1");
-    e.neurons = NEURONS;
-    e.bins = 2;
+    strcpy(e.identity.taps, "many:2500:1");
+    e.identity.neurons = NEURONS;
+    e.identity.bins = 2;
     e.frames = 1;
-    e.range = range;
+    e.identity.range = range;
     e.counts = counts;
     e.mass = mass;
     for (size_t n = 0; n < NEURONS; n += 100) {

@@ -18,7 +18,7 @@ struct Frames {
     {
         std::strncpy(experience.name, name, sizeof experience.name - 1);
         experience.frames = static_cast<uint32_t>(embeddings.size());
-        experience.dim = 1;
+        experience.identity.dim = 1;
         experience.embeddings = embeddings.data();
         experience.frame_place = places.empty() ? nullptr : places.data();
     }

@@ -60,24 +60,15 @@ class Map
     void require_backbone(const vdna_backbone_info &backbone) const
     {
         // All experiences of a map compare, so the first one speaks for them.
-        const vdna_experience &map = experiences_.front();
-        const auto require_same = [&](const char *field, const std::string &found,
-                                      const std::string &expected) {
-            if (found == expected)
-                return;
-            throw Error(directory_ + ": " + field + " of the map is " + found + " (backbone " +
-                        map.backbone + "), that of backbone " + backbone.name + " is " + expected +
+        const vdna_identity &map = experiences_.front().identity;
+        vdna_error why{};
+        if (vdna_identity_compare(&map, &backbone.identity, &why) != VDNA_OK)
+            throw Error(directory_ + ": the map (made with backbone " + map.backbone +
+                        ") does not compare with backbone " + backbone.identity.backbone + ": " +
+                        why.text +
                         "; use the map's backbone, or rebuild the map with `vdna build --force "
                         "--backbone " +
-                        backbone.name + "`");
-        };
-        // If precision explains the difference, report it instead of the hashes.
-        if (std::string(map.model_sha256) != backbone.model_sha256)
-            require_same("precision", map.precision, backbone.precision);
-        require_same("model_sha256", map.model_sha256, backbone.model_sha256);
-        require_same("preprocessing", map.preprocessing, backbone.preprocessing);
-        require_same("taps", map.taps, backbone.taps);
-        require_same("embedding size", std::to_string(map.dim), std::to_string(backbone.dim));
+                        backbone.identity.backbone + "`");
     }
 
   private:

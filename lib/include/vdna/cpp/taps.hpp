@@ -5,7 +5,6 @@
 #define VDNA_CPP_TAPS_HPP
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include <vdna/cpp/error.hpp>
+#include <vdna/identity.h>
 
 namespace vdna
 {
@@ -22,31 +22,35 @@ struct Tap {
     std::string name;
     size_t begin;     /**< first neuron */
     size_t end;       /**< past the last one */
-    std::string text; /**< "NAME:NEURONS:SAMPLES" */
+    uint32_t samples; /**< per neuron and frame */
 };
 
-/** From "NAME:NEURONS:SAMPLES[,...]", as the backbone writes it. Throws Error. */
+/** Read the list of an identity. Throws Error. */
 inline std::vector<Tap> taps_of(const std::string &text, uint32_t neurons)
 {
     std::vector<Tap> taps;
-    size_t at = 0, begin = 0;
-    while (at < text.size()) {
-        const size_t next = std::min(text.find(',', at), text.size());
-        const std::string entry = text.substr(at, next - at);
-        const size_t samples = entry.rfind(':');
-        const size_t count = samples == std::string::npos || samples == 0
-                                 ? std::string::npos
-                                 : entry.rfind(':', samples - 1);
-        size_t size = 0;
-        if (count == std::string::npos ||
-            std::from_chars(&entry[count + 1], &entry[samples], size).ptr != &entry[samples] ||
-            size > neurons - begin)
-            throw Error("taps '" + text + "' do not say where each tap's neurons are");
-        taps.push_back({entry.substr(0, count), begin, begin + size, entry});
-        begin += size;
-        at = next + 1;
+    size_t begin = 0;
+    const char *rest = text.c_str();
+    vdna_tap tap{};
+    while (vdna_taps_next(&rest, &tap) == VDNA_OK && tap.neurons <= neurons - begin) {
+        taps.push_back({{tap.name, tap.name_length}, begin, begin + tap.neurons, tap.samples});
+        begin += tap.neurons;
     }
+    if (*rest != '\0')
+        throw Error("taps '" + text + "' do not say where each tap's neurons are");
     return taps;
+}
+
+/** Write the list that an identity has of them. Throws Error. */
+inline std::string text_of(const std::vector<Tap> &taps)
+{
+    char text[VDNA_TAPS_SIZE] = "";
+    for (const Tap &tap : taps) {
+        const vdna_tap entry = {tap.name.data(), tap.name.size(),
+                                static_cast<uint32_t>(tap.end - tap.begin), tap.samples};
+        require(vdna_taps_append(text, sizeof text, &entry), "tap " + tap.name);
+    }
+    return text;
 }
 
 /** The mean over each tap's neurons. */

@@ -151,20 +151,26 @@ class Select(Structure):
     ]
 
 
-class ExperienceFile(Structure):
+class IdentityFields(Structure):
     _fields_ = [
-        ("name", c_char * 64),
         ("backbone", c_char * 64),
         ("model_sha256", c_char * 65),
         ("preprocessing", c_char * 512),
         ("precision", c_char * 16),
         ("taps", c_char * 2048),
-        ("comparable", c_char * 65),
         ("neurons", c_uint32),
-        ("bins", c_uint32),
-        ("frames", c_uint32),
         ("dim", c_uint32),
+        ("bins", c_uint32),
         ("range", c_void_p),
+    ]
+
+
+class ExperienceFile(Structure):
+    _fields_ = [
+        ("name", c_char * 64),
+        ("identity", IdentityFields),
+        ("comparable", c_char * 65),
+        ("frames", c_uint32),
         ("counts", c_void_p),
         ("mass", c_void_p),
         ("embeddings", c_void_p),
@@ -172,8 +178,8 @@ class ExperienceFile(Structure):
         ("frame_place", c_void_p),
         ("frame_position", c_void_p),
         ("frame_grey", c_void_p),
-        ("mapping", c_void_p),
-        ("mapping_size", c_size_t),
+        ("file_bytes", c_void_p),
+        ("file_size", c_size_t),
     ]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import UINT32_MAX, floats, integer, integers, shaped, view
-from ._library import Error, ExperienceFile, HistView, lib
+from ._library import Error, ExperienceFile, HistView, IdentityFields, lib
 from .histogram import HistogramView, view_of
 
 Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
@@ -105,16 +105,18 @@ class Experience:
         self._owner = None
         self._file = ExperienceFile(
             name=_text(name, "name", 64),
-            backbone=_text(backbone, "backbone", 64),
-            model_sha256=_text(model_sha256, "model_sha256", 65),
-            preprocessing=_text(preprocessing, "preprocessing", 512),
-            precision=_text(precision, "precision", 16),
-            taps=_text(taps, "taps", 2048),
-            neurons=dna.neurons,
-            bins=dna.bins,
+            identity=IdentityFields(
+                backbone=_text(backbone, "backbone", 64),
+                model_sha256=_text(model_sha256, "model_sha256", 65),
+                preprocessing=_text(preprocessing, "preprocessing", 512),
+                precision=_text(precision, "precision", 16),
+                taps=_text(taps, "taps", 2048),
+                neurons=dna.neurons,
+                dim=integer(dim, "dim", 0, UINT32_MAX),
+                bins=dna.bins,
+                range=dna.range,
+            ),
             frames=integer(frames, "the number of frames", 0, UINT32_MAX),
-            dim=integer(dim, "dim", 0, UINT32_MAX),
-            range=dna.range,
             counts=dna.counts,
             mass=dna.mass,
             embeddings=self._embeddings.ctypes.data,
@@ -146,7 +148,7 @@ class Experience:
             return address and view(mapping, address, (file.frames, *columns), dtype)
 
         self._histogram = HistogramView._over(mapping, pointers)
-        self._embeddings = array(file.embeddings, np.float32, file.dim)
+        self._embeddings = array(file.embeddings, np.float32, file.identity.dim)
         self._frame_utime = array(file.frame_utime, np.int64)
         self._frame_grey = array(file.frame_grey, np.float32)
         self._frame_place = array(file.frame_place, np.int64)
@@ -179,27 +181,27 @@ class Experience:
     @property
     def backbone(self) -> str:
         """Name of the network."""
-        return str(self._file.backbone.decode())
+        return str(self._file.identity.backbone.decode())
 
     @property
     def model_sha256(self) -> str:
         """SHA-256 of the ONNX file."""
-        return str(self._file.model_sha256.decode())
+        return str(self._file.identity.model_sha256.decode())
 
     @property
     def preprocessing(self) -> str:
         """Everything that shaped the network's input."""
-        return str(self._file.preprocessing.decode())
+        return str(self._file.identity.preprocessing.decode())
 
     @property
     def precision(self) -> str:
         """Of the network's arithmetic: "fp32", "int8"."""
-        return self._file.precision.decode() or "fp32"
+        return self._file.identity.precision.decode() or "fp32"
 
     @property
     def taps(self) -> str:
         """NAME:NEURONS:SAMPLES[,...] in the order of the histogram's neurons."""
-        return str(self._file.taps.decode())
+        return str(self._file.identity.taps.decode())
 
     @property
     def comparable(self) -> Optional[str]:

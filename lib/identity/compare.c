@@ -1,0 +1,76 @@
+#include <fail.h>
+#include <inttypes.h>
+#include <string.h>
+#include <vdna/identity.h>
+
+static vdna_status differ(const char *field, const char *of_a, const char *of_b, vdna_error *error)
+{
+    return vdna_fail(error, VDNA_ERR_MISMATCH, "%s is %.100s in one and %.100s in the other", field,
+                     of_a, of_b);
+}
+
+static vdna_status compare_texts(const char *field, const char *of_a, const char *of_b,
+                                 vdna_error *error)
+{
+    return strcmp(of_a, of_b) == 0 ? VDNA_OK : differ(field, of_a, of_b, error);
+}
+
+/* Compare numbers of which 0 stands for "not known yet". */
+static vdna_status compare_numbers(const char *field, uint32_t of_a, uint32_t of_b,
+                                   vdna_error *error)
+{
+    if (of_a == of_b || of_a == 0 || of_b == 0)
+        return VDNA_OK;
+    char text_a[16], text_b[16];
+    snprintf(text_a, sizeof text_a, "%" PRIu32, of_a);
+    snprintf(text_b, sizeof text_b, "%" PRIu32, of_b);
+    return differ(field, text_a, text_b, error);
+}
+
+static vdna_status compare_models(const vdna_identity *a, const vdna_identity *b, vdna_error *error)
+{
+    if (strcmp(a->model_sha256, b->model_sha256) == 0)
+        return VDNA_OK;
+    /* If precision explains the difference, report it instead of the hashes. */
+    const vdna_status status =
+        compare_texts("precision", vdna_identity_precision(a), vdna_identity_precision(b), error);
+    return status == VDNA_OK ? differ("model_sha256", a->model_sha256, b->model_sha256, error)
+                             : status;
+}
+
+static vdna_status compare_ranges(const vdna_identity *a, const vdna_identity *b, vdna_error *error)
+{
+    if (!a->range || !b->range)
+        return VDNA_OK;
+    /* As the histograms compare them: by their bits. */
+    for (uint32_t n = 0; n < a->neurons; n++) {
+        const float *ra = a->range + 2 * (size_t)n, *rb = b->range + 2 * (size_t)n;
+        if (memcmp(ra, rb, 2 * sizeof(float)) == 0)
+            continue;
+        char field[32], of_a[48], of_b[48];
+        snprintf(field, sizeof field, "range of neuron %" PRIu32, n);
+        snprintf(of_a, sizeof of_a, "%.9g..%.9g", (double)ra[0], (double)ra[1]);
+        snprintf(of_b, sizeof of_b, "%.9g..%.9g", (double)rb[0], (double)rb[1]);
+        return differ(field, of_a, of_b, error);
+    }
+    return VDNA_OK;
+}
+
+/* see vdna/identity.h */
+vdna_status vdna_identity_compare(const vdna_identity *a, const vdna_identity *b, vdna_error *error)
+{
+    if (!a || !b)
+        return vdna_fail(error, VDNA_ERR_ARG, "an identity to compare is missing");
+    vdna_status status = compare_models(a, b, error);
+    if (status == VDNA_OK)
+        status = compare_texts("preprocessing", a->preprocessing, b->preprocessing, error);
+    if (status == VDNA_OK)
+        status = compare_texts("taps", a->taps, b->taps, error);
+    if (status == VDNA_OK)
+        status = compare_numbers("neurons", a->neurons, b->neurons, error);
+    if (status == VDNA_OK)
+        status = compare_numbers("dim", a->dim, b->dim, error);
+    if (status == VDNA_OK)
+        status = compare_numbers("bins", a->bins, b->bins, error);
+    return status == VDNA_OK ? compare_ranges(a, b, error) : status;
+}

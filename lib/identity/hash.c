@@ -1,0 +1,49 @@
+#include <inttypes.h>
+#include <sha2.h>
+#include <stdio.h>
+#include <string.h>
+#include <vdna/identity.h>
+
+/* see vdna/identity.h */
+vdna_status vdna_identity_text(const vdna_identity *identity,
+                               char out_text[VDNA_IDENTITY_TEXT_SIZE])
+{
+    if (!identity || !out_text)
+        return VDNA_ERR_ARG;
+    /* No text can hold the newline that ends it. */
+    snprintf(out_text, VDNA_IDENTITY_TEXT_SIZE,
+             "vdna-comparable 1\n%.64s\n%.511s\n%.2047s\n%" PRIu32 "\n%" PRIu32 "\n",
+             identity->model_sha256, identity->preprocessing, identity->taps, identity->dim,
+             identity->bins);
+    return VDNA_OK;
+}
+
+static void write_hex(const unsigned char digest[SHA256_DIGEST_LENGTH],
+                      char out_sha256[VDNA_SHA256_SIZE])
+{
+    static const char digits[] = "0123456789abcdef";
+    for (size_t i = 0; i < SHA256_DIGEST_LENGTH; i++) {
+        out_sha256[2 * i] = digits[digest[i] >> 4];
+        out_sha256[2 * i + 1] = digits[digest[i] & 15];
+    }
+    out_sha256[VDNA_SHA256_SIZE - 1] = '\0';
+}
+
+/* see vdna/identity.h */
+vdna_status vdna_identity_hash(const vdna_identity *identity, char out_sha256[VDNA_SHA256_SIZE])
+{
+    char text[VDNA_IDENTITY_TEXT_SIZE];
+    if (!out_sha256 || vdna_identity_text(identity, text) != VDNA_OK || identity->dim == 0 ||
+        identity->bins == 0 || !identity->range)
+        return VDNA_ERR_ARG;
+
+    SHA2_CTX hash;
+    unsigned char digest[SHA256_DIGEST_LENGTH];
+    SHA256Init(&hash);
+    SHA256Update(&hash, (const uint8_t *)text, strlen(text));
+    SHA256Update(&hash, (const uint8_t *)identity->range,
+                 2 * sizeof(float) * (size_t)identity->neurons);
+    SHA256Final(digest, &hash);
+    write_hex(digest, out_sha256);
+    return VDNA_OK;
+}

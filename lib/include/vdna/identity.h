@@ -1,0 +1,127 @@
+/** @file vdna/identity.h
+ *  @brief What makes two Visual DNAs comparable: the network, its input, its taps, the bins.
+ *
+ *  A distance between histograms means something only if the same network saw pictures prepared the
+ *  same way and the same activations were counted in the same bins. An experience file, an open
+ *  backbone and a file of ranges each carry an identity; comparing is the same for all of them.
+ *
+ *  A field that is not known yet (dim, bins, range) is not compared: a backbone, for instance,
+ * knows neither bins nor ranges.
+ */
+#ifndef VDNA_IDENTITY_H
+#define VDNA_IDENTITY_H
+
+#include <stddef.h>
+#include <vdna/status.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define VDNA_NAME_SIZE 64u            /**< bytes of a name, its NUL included */
+#define VDNA_SHA256_SIZE 65u          /**< 64 lower-case hexadecimal digits and a NUL */
+#define VDNA_PREPROCESSING_SIZE 512u  /**< bytes of the preprocessing text, its NUL included */
+#define VDNA_PRECISION_SIZE 16u       /**< bytes of a precision, its NUL included */
+#define VDNA_TAPS_SIZE 2048u          /**< bytes of the list of taps, its NUL included */
+#define VDNA_IDENTITY_TEXT_SIZE 2688u /**< bytes of the canonical text, its NUL included */
+
+#define VDNA_PRECISION_DEFAULT "fp32" /**< precision of a network that states none */
+#define VDNA_NAME_ALPHABET "letters, digits, '.', '_' or '-'" /**< of names, for error messages */
+
+/** Everything that must agree for two Visual DNAs to be compared. Texts are NUL-terminated. */
+typedef struct vdna_identity {
+    char backbone[VDNA_NAME_SIZE]; /**< name in the backbone's manifest, passes vdna_name_check();
+                                        for people: names may differ where networks do not */
+    char model_sha256[VDNA_SHA256_SIZE];         /**< of the ONNX file */
+    char preprocessing[VDNA_PREPROCESSING_SIZE]; /**< canonical text from the backbone, 1 to 511
+                                                      printable ASCII characters */
+    char precision[VDNA_PRECISION_SIZE]; /**< of the network's arithmetic: "fp32", "int8"; alphabet
+                                              of a name; "" means VDNA_PRECISION_DEFAULT */
+    char taps[VDNA_TAPS_SIZE]; /**< "NAME:NEURONS:SAMPLES[,...]" in the order of the neurons; read
+                                    with vdna_taps_next(), written with vdna_taps_append() */
+    uint32_t neurons;          /**< of all taps, >= 1 */
+    uint32_t dim;              /**< numbers in an embedding; 0 = not known yet */
+    uint32_t bins;             /**< VDNA_HIST_BINS_MIN..VDNA_HIST_BINS_MAX; 0 = not known yet */
+    const float *range;        /**< [neurons][2], passes vdna_range_check(); NULL = not known yet.
+                                    Borrowed: whoever fills the identity says for how long */
+} vdna_identity;
+
+/** One entry of a list of taps. */
+typedef struct vdna_tap {
+    const char *name;   /**< [name_length], not NUL-terminated; may hold a ':' but no ',' */
+    size_t name_length; /**< bytes, >= 1 */
+    uint32_t neurons;   /**< >= 1 */
+    uint32_t samples;   /**< per neuron and frame, >= 1 */
+} vdna_tap;
+
+/** Check the fields: alphabets and lengths of the texts, taps that parse and add up to `neurons`,
+ *  bins and range where they are known.
+ *  @param identity  any bytes
+ *  @param error  names the field, what was found and what was expected; NULL = not wanted
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_MISMATCH if the taps do not add up */
+VDNA_API vdna_status vdna_identity_check(const vdna_identity *identity, vdna_error *error);
+
+/** Check that Visual DNAs of two identities may be compared: same model, preprocessing, taps,
+ *  neurons, and, where both are known, dim, bins and range (by its bits).
+ *  @param a, b   texts are NUL-terminated; `range` has `neurons` rows or is NULL
+ *  @param error  names the first field that differs and both values: "bins is 4 in one and 8 in the
+ *                other", `one` being a. If models differ because their precision does, it names the
+ *                precision. Where it happened and what to do is for the caller to add. NULL = not
+ *                wanted
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_MISMATCH */
+VDNA_API vdna_status vdna_identity_compare(const vdna_identity *a, const vdna_identity *b,
+                                           vdna_error *error);
+
+/** Write the canonical text (docs/SPEC-map.md): one line each for its version, model,
+ *  preprocessing, taps, dim and bins.
+ *  @param identity  passes vdna_identity_check()
+ *  @param out_text  NUL-terminated
+ *  @return VDNA_OK; VDNA_ERR_ARG */
+VDNA_API vdna_status vdna_identity_text(const vdna_identity *identity,
+                                        char out_text[VDNA_IDENTITY_TEXT_SIZE]);
+
+/** Compute the SHA-256 of the canonical text and the range's bytes. Complete identities compare if
+ *  and only if their hashes are equal; experience files carry it as `comparable`.
+ *  @param identity  passes vdna_identity_check()
+ *  @param out_sha256  NUL-terminated
+ *  @return VDNA_OK; VDNA_ERR_ARG, also if dim, bins or range is not known */
+VDNA_API vdna_status vdna_identity_hash(const vdna_identity *identity,
+                                        char out_sha256[VDNA_SHA256_SIZE]);
+
+/** Get the precision, spelled out where the identity states none.
+ *  @param identity  NULL gives the default
+ *  @return `precision`, or VDNA_PRECISION_DEFAULT if that is empty; valid as long as `identity` */
+VDNA_API const char *vdna_identity_precision(const vdna_identity *identity);
+
+/** Read the next tap of a list.
+ *  @param text  at first points to a list of taps; after VDNA_OK to what follows the tap; otherwise
+ *               unchanged
+ *  @param out_tap  its name is borrowed from the list
+ *  @return VDNA_OK; VDNA_ERR_EMPTY at the end of the list; VDNA_ERR_FORMAT if what is there is no
+ *          NAME:NEURONS:SAMPLES, or a ',' ends the list; VDNA_ERR_ARG */
+VDNA_API vdna_status vdna_taps_next(const char **text, vdna_tap *out_tap);
+
+/** Append a tap to a list.
+ *  @param text  "" or a list of taps; unchanged after an error
+ *  @param text_size  bytes of `text`, usually VDNA_TAPS_SIZE
+ *  @param tap  its name is not in `text`
+ *  @return VDNA_OK; VDNA_ERR_ARG for a name that is empty or has a ',' or anything but printable
+ *          ASCII characters, or for a number that is 0; VDNA_ERR_NOMEM if it does not fit */
+VDNA_API vdna_status vdna_taps_append(char *text, size_t text_size, const vdna_tap *tap);
+
+/** Check a name (of an experience or a backbone): 1 to 63 of VDNA_NAME_ALPHABET.
+ *  @param name   NUL-terminated, or VDNA_NAME_SIZE bytes
+ *  @param error  what is wrong and what was expected, to follow what the caller calls it: "has a
+ *                character that is not allowed, expected ..."; NULL = not wanted
+ *  @return VDNA_OK; VDNA_ERR_ARG */
+VDNA_API vdna_status vdna_name_check(const char *name, vdna_error *error);
+
+/** Replace each character that a name may not have by '_'. The length stays.
+ *  @param name  NUL-terminated; NULL is allowed */
+VDNA_API void vdna_name_replace(char *name);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
