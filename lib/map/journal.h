@@ -1,6 +1,6 @@
 /* Private to lib/map: which new files of a map have taken the place of old ones, although they do
  * not bear their names yet. The file `.commit` in the map's directory says so, from the one rename
- * that makes an update of several files final until all of them are renamed (docs/SPEC-map.md). */
+ * that makes an update of several files final until all of them are renamed (docs/reference/SPEC-map.md). */
 #ifndef VDNA_JOURNAL_H
 #define VDNA_JOURNAL_H
 

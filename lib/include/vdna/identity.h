@@ -72,7 +72,7 @@ VDNA_API vdna_status vdna_identity_check(const vdna_identity *identity, vdna_err
 VDNA_API vdna_status vdna_identity_compare(const vdna_identity *a, const vdna_identity *b,
                                            vdna_error *error);
 
-/** Write the canonical text (docs/SPEC-map.md): one line each for its version, model,
+/** Write the canonical text (docs/reference/SPEC-map.md): one line each for its version, model,
  *  preprocessing, taps, dim and bins.
  *  @param identity  passes vdna_identity_check()
  *  @param out_text  NUL-terminated

@@ -141,7 +141,7 @@ VDNA_API vdna_status vdna_map_update_add(vdna_map_update *update, const vdna_exp
                                          vdna_error *error);
 
 /** Put all that was added in its place. Readers, and a machine that loses its power at any moment,
- *  find all of it or nothing (docs/SPEC-map.md says how).
+ *  find all of it or nothing (docs/reference/SPEC-map.md says how).
  *  @param update  an open one
  *  @param error  filled on failure: says whether the map is unchanged, or the update is final and
  * the next one finishes it; NULL = not wanted

@@ -1,5 +1,5 @@
 """Fails if a room of lib/ or apps/ includes or links anything that its floor does not permit, if a
-permission is not used, or if two rooms share a C++ namespace. docs/DESIGN.md explains the floors.
+permission is not used, or if two rooms share a C++ namespace. docs/internals/DESIGN.md explains the floors.
 
     layers.py ROOT
 """

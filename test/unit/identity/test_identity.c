@@ -9,7 +9,7 @@
 
 #define SHA256 "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"
 
-/* The identity of the experience in docs/SPEC-map.md. */
+/* The identity of the experience in docs/reference/SPEC-map.md. */
 static const float range[] = {-1, 1, 0, 6, -2.5f, 2.5f};
 static const vdna_identity sample = {
     .backbone = "tiny-net_1.0",
