@@ -36,8 +36,9 @@ Warmup warmup_of(const Config &config)
 } // namespace
 
 Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
-    : map_(map), backbone_(backbone), selector_(map.candidates(), map.experiences().front().identity.dim,
-                                                warmup_of(config), config.map_directory),
+    : map_(map), backbone_(backbone),
+      selector_(map.candidates(), map.experiences().front().identity.dim, warmup_of(config),
+                config.map_directory),
       ranking_(map, backbone.info())
 {
 }
@@ -49,7 +50,8 @@ uint32_t Daemon::message_size_max() const
 
 size_t Daemon::histogram_size() const
 {
-    const vdna_hist &live = selector_->live;
+    vdna_hist_view live;
+    vdna_select_live(selector_.get(), &live);
     const size_t numbers_per_neuron = live.bins + 2; // counts, mass, saturated
     return numbers_per_neuron * live.neurons * sizeof(uint32_t);
 }
@@ -125,7 +127,7 @@ vdna_msg_localisation_t Daemon::use(vdna_transport *transport, const vdna_transp
     if (status != VDNA_OK)
         return refuse(frame, vdna_status_text(status));
     (found.newly_ranked ? stages_.rank : stages_.select).add(watch.lap_us());
-    window_frames_max_ = std::max(window_frames_max_, selector_->live.frames);
+    window_frames_max_ = std::max(window_frames_max_, vdna_select_window_frames(selector_.get()));
 
     if (found.restarted)
         std::fprintf(stderr, "vdna_selectord: camera time ran backwards, warming up again\n");
@@ -133,7 +135,8 @@ vdna_msg_localisation_t Daemon::use(vdna_transport *transport, const vdna_transp
         announce_choice(transport);
     if (!found.localised)
         return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_WARMING_UP);
-    return position_in(map_.experiences()[selector_->chosen], found.match, frame.utime);
+    return position_in(map_.experiences()[vdna_select_chosen(selector_.get())], found.match,
+                       frame.utime);
 }
 
 vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const char *reason)

@@ -127,7 +127,8 @@ Ranking rank_live(const RankOptions &options)
         candidates.push_back(map.candidates()[i]);
     Selector selector(std::move(candidates), first.identity.dim, record::warmup_of(options.warmup),
                       options.paths[1]);
-    Backbone backbone(options.network.backbone.empty() ? first.identity.backbone : options.network.backbone,
+    Backbone backbone(options.network.backbone.empty() ? first.identity.backbone
+                                                       : options.network.backbone,
                       options.network.threads);
     map.require_backbone(backbone.info());
 
@@ -136,21 +137,23 @@ Ranking rank_live(const RankOptions &options)
     while (!complete && pass.next())
         complete = feed(selector, pass);
     if (!complete)
-        throw Error(source + ": ends after " + std::to_string(selector->live.frames) +
+        throw Error(source + ": ends after " +
+                    std::to_string(vdna_select_window_frames(selector.get())) +
                     " frames of the warmup, expected " + options.warmup +
                     (options.warmup.back() == 's' ? " and a frame after it" : " frames") +
                     "; set a shorter --warmup");
     Ranking ranking;
     ranking.query = source;
-    ranking.frames = selector->live.frames;
-    ranking.restarts = selector->restarts;
+    ranking.frames = vdna_select_window_frames(selector.get());
+    ranking.restarts = vdna_select_restarts(selector.get());
     ranking.bad = pass.bad();
-    ranking.entries.assign(selector->ranking, selector->ranking + picked.size());
+    const vdna_rank_entry *const entries = vdna_select_ranking(selector.get(), nullptr);
+    ranking.entries.assign(entries, entries + picked.size());
     for (const size_t i : picked)
         ranking.names.push_back(map.experiences()[i].name);
     if (options.per_tap) {
         vdna_hist_view live;
-        vdna_hist_view_of(&selector->live, &live);
+        vdna_select_live(selector.get(), &live);
         add_taps(ranking, first.identity.taps, live, views_of(selector));
     }
     return ranking;

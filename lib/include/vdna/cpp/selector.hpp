@@ -51,9 +51,8 @@ class Selector
     Selector &operator=(const Selector &) = delete;
 
     /** The C object, for every call that this class does not wrap. */
-    vdna_select *get() { return &select_; }
-    const vdna_select *get() const { return &select_; }
-    const vdna_select *operator->() const { return &select_; }
+    vdna_select *get() { return select_; }
+    const vdna_select *get() const { return select_; }
     const std::vector<vdna_select_candidate> &candidates() const { return candidates_; }
 
     /** Bytes that the selector holds. */
@@ -65,7 +64,7 @@ class Selector
   private:
     std::vector<vdna_select_candidate> candidates_;
     std::vector<int64_t> memory_; // int64_t for its alignment
-    vdna_select select_{};
+    vdna_select *select_ = nullptr; // in memory_
 };
 
 } // namespace vdna
