@@ -5,6 +5,8 @@
 #include <cinttypes>
 #include <cstdio>
 
+#include <vdna_messages.h>
+
 #include "error.hpp"
 
 namespace vdna
@@ -45,7 +47,8 @@ vdna_select_config selector_config(const Config &config,
 } // namespace
 
 Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
-    : map_(map), backbone_(backbone), candidates_(map.candidates()), ranking_(map, backbone.info())
+    : config_(config), map_(map), backbone_(backbone), candidates_(map.candidates()),
+      ranking_(map, backbone.info())
 {
     const vdna_select_config selector =
         selector_config(config, candidates_, map.experiences().front().dim);
@@ -121,7 +124,9 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
         status == VDNA_OK ? use(transport, frame, seen, watch) : refuse(frame, error.text);
     message.skipped = static_cast<int64_t>(frame.skipped);
     message.latency_us = monotonic_us() - frame.received_us;
-    note_unless_sent(vdna_transport_publish_localisation(transport, &message), "a localisation");
+    note_unless_sent(vdna_transport_publish(transport, config_.localisation_channel.c_str(),
+                                            &vdna_message_localisation, &message),
+                     "a localisation");
     if (message.validity == VDNA_MSG_LOCALISATION_T_REFUSED)
         return;
 
@@ -163,7 +168,9 @@ vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const 
 void Daemon::announce_choice(vdna_transport *transport)
 {
     const vdna_msg_ranking_t &ranking = ranking_.fill(select_);
-    note_unless_sent(vdna_transport_publish_ranking(transport, &ranking), "a ranking");
+    note_unless_sent(vdna_transport_publish(transport, config_.ranking_channel.c_str(),
+                                            &vdna_message_ranking, &ranking),
+                     "a ranking");
     std::fprintf(stderr,
                  "vdna_selectord: selected %s of %d after %d frames: distance %.3f bins, margin "
                  "%.3f bins\n",
@@ -183,7 +190,9 @@ void Daemon::publish_status(vdna_transport *transport)
                         memory_.read(),
                         problems_.last()};
     const vdna_msg_status_t message = status_of(health, wall_us());
-    note_unless_sent(vdna_transport_publish_status(transport, &message), "a status");
+    note_unless_sent(vdna_transport_publish(transport, config_.status_channel.c_str(),
+                                            &vdna_message_status, &message),
+                     "a status");
 }
 
 void Daemon::note_unless_sent(vdna_status sent, const char *what)

@@ -11,6 +11,7 @@
 #include <poll.h>
 #include <unistd.h>
 #include <vdna/transport.h>
+#include <vdna_messages.h>
 
 #include "commands.hpp"
 #include "error.hpp"
@@ -143,19 +144,19 @@ class Printer
 // lcm-gen writes one set of functions for each.
 struct Ranking {
     using Message = vdna_msg_ranking_t;
-    static constexpr auto check = vdna_transport_check_ranking;
+    static constexpr const vdna_message_type *table = &vdna_message_ranking;
     static constexpr auto decode = vdna_msg_ranking_t_decode;
     static constexpr auto cleanup = vdna_msg_ranking_t_decode_cleanup;
 };
 struct Localisation {
     using Message = vdna_msg_localisation_t;
-    static constexpr auto check = vdna_transport_check_localisation;
+    static constexpr const vdna_message_type *table = &vdna_message_localisation;
     static constexpr auto decode = vdna_msg_localisation_t_decode;
     static constexpr auto cleanup = vdna_msg_localisation_t_decode_cleanup;
 };
 struct Status {
     using Message = vdna_msg_status_t;
-    static constexpr auto check = vdna_transport_check_status;
+    static constexpr const vdna_message_type *table = &vdna_message_status;
     static constexpr auto decode = vdna_msg_status_t_decode;
     static constexpr auto cleanup = vdna_msg_status_t_decode_cleanup;
 };
@@ -165,7 +166,7 @@ void on_message(const lcm_recv_buf_t *received, const char *channel, void *print
 {
     // The decoders believe every length they read.
     typename Type::Message message;
-    if (Type::check(received->data, received->data_size) != VDNA_OK ||
+    if (vdna_transport_check(Type::table, received->data, received->data_size) != VDNA_OK ||
         Type::decode(received->data, 0, static_cast<int>(received->data_size), &message) < 0) {
         std::cerr << "vdna watch: " << channel << ": a message of another type or version, "
                   << received->data_size << " bytes; left out\n";
