@@ -5,7 +5,7 @@ set(allowed_select "${core}|select")
 set(allowed_map "${core}|map")
 set(allowed_backbone "${core}|backbone")
 set(allowed_baseline "${core}|baseline")
-set(allowed_transport "${core}|select|transport|message")
+set(allowed_transport "${core}|select|transport|listener|message")
 
 foreach(part core select map backbone baseline transport)
   file(GLOB_RECURSE sources "${ROOT}/lib/${part}/*.[ch]" "${ROOT}/lib/${part}/*.[ch]pp")

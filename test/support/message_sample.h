@@ -13,8 +13,6 @@
 #define SAMPLE_COUNT 3
 #define SAMPLE_TEXT "text"
 
-static inline void sample_fill(const vdna_message_type *type, char *message);
-
 static inline void *sample_memory(size_t size)
 {
     void *memory = calloc(1, size);
@@ -43,6 +41,8 @@ static inline size_t sample_element_size(const vdna_message_member *member)
     }
 }
 
+static inline void sample_fill(const vdna_message_type *type, char *message);
+
 static inline void sample_fill_element(const vdna_message_member *member, char *element)
 {
     const int32_t count = SAMPLE_COUNT;
@@ -52,7 +52,7 @@ static inline void sample_fill_element(const vdna_message_member *member, char *
         memcpy(element, &count, sizeof count);
         break;
     case VDNA_MESSAGE_STRING:
-        text = sample_memory(sizeof SAMPLE_TEXT);
+        text = (char *)sample_memory(sizeof SAMPLE_TEXT);
         memcpy(text, SAMPLE_TEXT, sizeof SAMPLE_TEXT);
         memcpy(element, &text, sizeof text);
         break;
@@ -74,7 +74,7 @@ static inline void sample_fill(const vdna_message_type *type, char *message)
         uint32_t length = member->length;
         if (length == 0) {
             length = SAMPLE_COUNT;
-            char *const block = sample_memory(length * size);
+            char *const block = (char *)sample_memory(length * size);
             memcpy(elements, &block, sizeof block);
             elements = block;
         }
@@ -87,7 +87,7 @@ static inline void sample_fill(const vdna_message_type *type, char *message)
 static inline void *sample_new(const vdna_message_type *type)
 {
     void *message = sample_memory(type->struct_size);
-    sample_fill(type, message);
+    sample_fill(type, (char *)message);
     return message;
 }
 

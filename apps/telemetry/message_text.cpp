@@ -1,10 +1,16 @@
-#include "message_text.hpp"
+#include "telemetry/message_text.hpp"
 
 #include <array>
 #include <cstdarg>
 #include <cstdio>
 
-namespace vdna
+#include <vdna/transport.h>
+#include <vdna_messages.h>
+#include <vdna_msg_localisation_t.h>
+#include <vdna_msg_ranking_t.h>
+#include <vdna_msg_status_t.h>
+
+namespace vdna::telemetry
 {
 
 namespace
@@ -74,8 +80,7 @@ nlohmann::ordered_json json_of(const vdna_msg_duration_t &duration)
             {"max_us", duration.max_us}};
 }
 
-} // namespace
-
+// A table, one line per experience.
 std::string text_of(const vdna_msg_ranking_t &message)
 {
     std::string text =
@@ -88,6 +93,7 @@ std::string text_of(const vdna_msg_ranking_t &message)
     return text;
 }
 
+// One line.
 std::string text_of(const vdna_msg_localisation_t &message)
 {
     std::string text = format("localisation %s", validity_of(message));
@@ -103,6 +109,7 @@ std::string text_of(const vdna_msg_localisation_t &message)
     return text + format(" (%.1f ms)", ms(message.latency_us));
 }
 
+// One to three lines.
 std::string text_of(const vdna_msg_status_t &message)
 {
     const auto number = [](int64_t value) { return static_cast<long long>(value); };
@@ -200,4 +207,25 @@ nlohmann::ordered_json json_of(const vdna_msg_status_t &message)
     return json;
 }
 
-} // namespace vdna
+template <typename Message>
+View view(const vdna_message_type &type, const char *name, const char *channel)
+{
+    return {&type, name, channel,
+            [](const void *message) { return text_of(*static_cast<const Message *>(message)); },
+            [](const void *message) { return json_of(*static_cast<const Message *>(message)); }};
+}
+
+} // namespace
+
+const std::vector<View> &views()
+{
+    static const std::vector<View> all{
+        view<vdna_msg_ranking_t>(vdna_message_ranking, "ranking", VDNA_CHANNEL_RANKING),
+        view<vdna_msg_localisation_t>(vdna_message_localisation, "localisation",
+                                      VDNA_CHANNEL_LOCALISATION),
+        view<vdna_msg_status_t>(vdna_message_status, "status", VDNA_CHANNEL_STATUS),
+    };
+    return all;
+}
+
+} // namespace vdna::telemetry
