@@ -2,8 +2,8 @@
  *  @brief Listening to our LCM messages: every message of the channels that are named, checked and
  *         decoded. For programs that show, record or judge what others say.
  *
- *  vdna/transport.h is the daemon's side: there only the newest camera frame counts. Here nothing
- *  is passed over, as long as the queue is long enough.
+ *  vdna/transport.h is the daemon's side, which keeps only the newest camera frame. A listener
+ * skips nothing as long as its queue is long enough.
  */
 #ifndef VDNA_LISTENER_H
 #define VDNA_LISTENER_H
@@ -17,7 +17,7 @@
 extern "C" {
 #endif
 
-/** A connection to an LCM network on which nothing is said. One thread at a time. */
+/** A connection to an LCM network that only listens. One thread at a time. */
 typedef struct vdna_listener vdna_listener;
 
 /** A channel to listen to. */

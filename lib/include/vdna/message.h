@@ -43,7 +43,8 @@ typedef struct vdna_message_member {
     const vdna_message_type *type; /**< of a STRUCT; else NULL */
 } vdna_message_member;
 
-/** See above. The functions are those that lcm-gen writes; what they leave out, others check. */
+/** The table of one type. Its functions are lcm-gen's, which trust what they are given: check bytes
+ *  with vdna_transport_check() before decode(), and let vdna_transport_publish() call encode(). */
 struct vdna_message_type {
     const char *name;      /**< package and struct: "vdna_msg.ranking_t" */
     uint64_t fingerprint;  /**< the first 8 bytes on the wire; follows from the members */
@@ -55,8 +56,8 @@ struct vdna_message_type {
     int32_t (*encoded_size)(const void *message);
     /** Write a message. Returns its bytes; negative if they are more than `size`. */
     int32_t (*encode)(const void *message, void *out_data, int32_t size);
-    /** Read a message that vdna_transport_check() has accepted; allocates. Returns its bytes, or a
-     *  negative number. What is read must be handed to cleanup(). */
+    /** Read a message; allocates. Returns its bytes, to be freed by cleanup(), or a negative
+     *  number. */
     int32_t (*decode)(const void *data, int32_t size, void *out_message);
     /** Free what decode() allocated; the struct itself is the caller's. */
     void (*cleanup)(void *message);
