@@ -10,6 +10,7 @@
 
 #include <vdna/cpp/error.hpp>
 #include <vdna/image.h>
+#include <vdna/transport.h>
 
 #include "frames/labels.hpp"
 
@@ -18,13 +19,13 @@ namespace vdna::frames
 
 // How to read a source.
 struct SourceOptions {
-    double rate_hz = 10;           // of pictures that carry no time, > 0
-    std::string camera = "CAMERA"; // channel of an LCM log
-    std::string labels;            // CSV file; "" = the folder's own labels.csv, if it has one
-    bool labelled = true;          // false: labels are not wanted and not looked at
-    uint64_t skip = 0;             // frames left out at the beginning
-    uint64_t every = 1;            // of the rest, keep one frame of so many, >= 1
-    bool skip_bad = false;         // for Pass: leave out frames that cannot be used
+    double rate_hz = 10;                      // of pictures that carry no time, > 0
+    std::string camera = VDNA_CHANNEL_CAMERA; // channel of an LCM log
+    std::string labels;    // CSV file; "" = the folder's own labels.csv, if it has one
+    bool labelled = true;  // false: labels are not wanted and not looked at
+    uint64_t skip = 0;     // frames left out at the beginning
+    uint64_t every = 1;    // of the rest, keep one frame of so many, >= 1
+    bool skip_bad = false; // for Pass: leave out frames that cannot be used
 };
 
 // One frame. `image.data` is borrowed until the next frame is asked for.

@@ -35,7 +35,7 @@ Exit codes: 0 stopped by a signal, or --check found no fault; 1 the map, the net
 connection cannot be used, or the system does not give the memory or the processors that are asked
 for; 2 the command line or the configuration file is wrong.
 
-Example: vdna_selectord --map ~/maps/campus --warmup-frames 50 -l udpm://239.255.76.67:7667?ttl=0)";
+Example: vdna_selectord --map ~/maps/campus --warmup-frames 50 -l )" VDNA_LCM_URL;
 
 void apply(const Options &options, Config &config)
 {

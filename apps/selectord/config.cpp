@@ -35,9 +35,10 @@ struct Setting {
     double most;
 };
 
-constexpr double path_max = 4095, channel_max = 63; // bytes: PATH_MAX, LCM's channel name
+constexpr double path_max = 4095; // bytes: PATH_MAX
+constexpr double channel_max = VDNA_CHANNEL_BYTES_MAX;
 constexpr double threads_max = 256;
-constexpr double image_bytes_min = 1024, image_bytes_max = 1u << 28; // LCM's largest message
+constexpr double image_bytes_min = 1024, image_bytes_max = VDNA_MESSAGE_BYTES_MAX;
 constexpr double budget_mb_max = 1u << 20;
 constexpr double nice_max = 19;
 

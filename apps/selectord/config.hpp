@@ -5,6 +5,8 @@
 #include <iosfwd>
 #include <string>
 
+#include <vdna/transport.h>
+
 namespace vdna::selectord
 {
 
@@ -17,11 +19,11 @@ struct Config {
     uint32_t warmup_frames = 100; // 0 = by time
     double warmup_seconds = 0;    // 0 = by frames; exactly one of the two is set
     std::string url;              // "" = $LCM_DEFAULT_URL, else LCM's default
-    std::string camera_channel = "CAMERA";
-    std::string command_channel = "VDNA_COMMAND";
-    std::string ranking_channel = "VDNA_RANKING";
-    std::string localisation_channel = "VDNA_LOCALISATION";
-    std::string status_channel = "VDNA_STATUS";
+    std::string camera_channel = VDNA_CHANNEL_CAMERA;
+    std::string command_channel = VDNA_CHANNEL_COMMAND;
+    std::string ranking_channel = VDNA_CHANNEL_RANKING;
+    std::string localisation_channel = VDNA_CHANNEL_LOCALISATION;
+    std::string status_channel = VDNA_CHANNEL_STATUS;
     uint32_t max_image_bytes = 2u << 20;  // raw 640x480 in colour, or any JPEG of max_image_pixels
     uint32_t max_image_pixels = 2u << 20; // 1920x1080
     uint32_t budget_mb = 0;               // 2^20 bytes; 0 = no limit

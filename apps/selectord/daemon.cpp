@@ -5,6 +5,8 @@
 #include <cinttypes>
 #include <cstdio>
 
+#include <vdna_messages.h>
+
 #include <vdna/cpp/error.hpp>
 
 namespace vdna::selectord
@@ -36,7 +38,7 @@ Warmup warmup_of(const Config &config)
 } // namespace
 
 Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
-    : map_(map), backbone_(backbone),
+    : config_(config), map_(map), backbone_(backbone),
       selector_(map.candidates(), map.experiences().front().identity.dim, warmup_of(config),
                 config.map_directory),
       ranking_(map, backbone.info())
@@ -106,7 +108,9 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
         status == VDNA_OK ? use(transport, frame, seen, watch) : refuse(frame, error.text);
     message.skipped = static_cast<int64_t>(frame.skipped);
     message.latency_us = monotonic_us() - frame.received_us;
-    note_unless_sent(vdna_transport_publish_localisation(transport, &message), "a localisation");
+    note_unless_sent(vdna_transport_publish(transport, config_.localisation_channel.c_str(),
+                                            &vdna_message_localisation, &message),
+                     "a localisation");
     if (message.validity == VDNA_MSG_LOCALISATION_T_REFUSED)
         return;
 
@@ -149,7 +153,9 @@ vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const 
 void Daemon::announce_choice(vdna_transport *transport)
 {
     const vdna_msg_ranking_t &ranking = ranking_.fill(*selector_.get());
-    note_unless_sent(vdna_transport_publish_ranking(transport, &ranking), "a ranking");
+    note_unless_sent(vdna_transport_publish(transport, config_.ranking_channel.c_str(),
+                                            &vdna_message_ranking, &ranking),
+                     "a ranking");
     std::fprintf(stderr,
                  "vdna_selectord: selected %s of %d after %d frames: distance %.3f bins, margin "
                  "%.3f bins\n",
@@ -169,7 +175,9 @@ void Daemon::publish_status(vdna_transport *transport)
                         memory_.read(),
                         problems_.last()};
     const vdna_msg_status_t message = status_of(health, wall_us());
-    note_unless_sent(vdna_transport_publish_status(transport, &message), "a status");
+    note_unless_sent(vdna_transport_publish(transport, config_.status_channel.c_str(),
+                                            &vdna_message_status, &message),
+                     "a status");
 }
 
 void Daemon::note_unless_sent(vdna_status sent, const char *what)

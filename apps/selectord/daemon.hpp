@@ -22,7 +22,7 @@ namespace vdna::selectord
 class Daemon
 {
   public:
-    // Allocates all that the loop needs; borrows the map and the backbone. Throws Error.
+    // Allocates all that the loop needs; borrows all three. Throws Error.
     Daemon(const Config &config, const Map &map, const Backbone &backbone);
 
     // Bytes of the largest message that run() publishes.
@@ -46,6 +46,7 @@ class Daemon
     void publish_status(vdna_transport *transport);
     void note_unless_sent(vdna_status sent, const char *what);
 
+    const Config &config_;
     const Map &map_;
     const Backbone &backbone_;
     Selector selector_;

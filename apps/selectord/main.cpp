@@ -42,9 +42,6 @@ vdna_transport_config transport_config(const Config &config, const Daemon &daemo
     transport.max_message_bytes = daemon.message_size_max();
     transport.camera_channel = config.camera_channel.c_str();
     transport.command_channel = config.command_channel.c_str();
-    transport.ranking_channel = config.ranking_channel.c_str();
-    transport.localisation_channel = config.localisation_channel.c_str();
-    transport.status_channel = config.status_channel.c_str();
     return transport;
 }
 

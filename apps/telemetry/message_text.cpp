@@ -4,6 +4,13 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include <vdna_messages.h>
+#include <vdna_msg_localisation_t.h>
+#include <vdna_msg_ranking_t.h>
+#include <vdna_msg_status_t.h>
+
+#include <vdna/transport.h>
+
 namespace vdna::telemetry
 {
 
@@ -74,8 +81,7 @@ nlohmann::ordered_json json_of(const vdna_msg_duration_t &duration)
             {"max_us", duration.max_us}};
 }
 
-} // namespace
-
+// A table, one line per experience.
 std::string text_of(const vdna_msg_ranking_t &message)
 {
     std::string text =
@@ -88,6 +94,7 @@ std::string text_of(const vdna_msg_ranking_t &message)
     return text;
 }
 
+// One line.
 std::string text_of(const vdna_msg_localisation_t &message)
 {
     std::string text = format("localisation %s", validity_of(message));
@@ -103,6 +110,7 @@ std::string text_of(const vdna_msg_localisation_t &message)
     return text + format(" (%.1f ms)", ms(message.latency_us));
 }
 
+// One to three lines.
 std::string text_of(const vdna_msg_status_t &message)
 {
     const auto number = [](int64_t value) { return static_cast<long long>(value); };
@@ -198,6 +206,27 @@ nlohmann::ordered_json json_of(const vdna_msg_status_t &message)
     json["backlog_max"] = message.backlog_max;
     json["message"] = message.message;
     return json;
+}
+
+template <typename Message>
+View view(const vdna_message_type &type, const char *name, const char *channel)
+{
+    return {&type, name, channel,
+            [](const void *message) { return text_of(*static_cast<const Message *>(message)); },
+            [](const void *message) { return json_of(*static_cast<const Message *>(message)); }};
+}
+
+} // namespace
+
+const std::vector<View> &views()
+{
+    static const std::vector<View> all{
+        view<vdna_msg_ranking_t>(vdna_message_ranking, "ranking", VDNA_CHANNEL_RANKING),
+        view<vdna_msg_localisation_t>(vdna_message_localisation, "localisation",
+                                      VDNA_CHANNEL_LOCALISATION),
+        view<vdna_msg_status_t>(vdna_message_status, "status", VDNA_CHANNEL_STATUS),
+    };
+    return all;
 }
 
 } // namespace vdna::telemetry

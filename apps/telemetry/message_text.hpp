@@ -1,26 +1,29 @@
-// The daemon's messages as text for people, and as JSON for programs.
+// The messages of vdna_selectord as text for people, and as JSON for programs.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
-#include <vdna_msg_localisation_t.h>
-#include <vdna_msg_ranking_t.h>
-#include <vdna_msg_status_t.h>
+
+#include <vdna/message.h>
 
 namespace vdna::telemetry
 {
 
-// A table, one line per experience.
-std::string text_of(const vdna_msg_ranking_t &message);
-// One line, without its end.
-std::string text_of(const vdna_msg_localisation_t &message);
-// One to three lines.
-std::string text_of(const vdna_msg_status_t &message);
+// One kind of message, and how it is shown. `message` is the struct that lcm-gen declares for the
+// type.
+struct View {
+    const vdna_message_type *type;
+    const char *name;    // as in the JSON, and of the option that names its channel
+    const char *channel; // default
+    // One line or several, without the end of the last.
+    std::string (*text)(const void *message);
+    // The members by their names in lcmtypes/; what is not valid is null.
+    nlohmann::ordered_json (*json)(const void *message);
+};
 
-// The members by their names in lcmtypes/; what is not valid is null.
-nlohmann::ordered_json json_of(const vdna_msg_ranking_t &message);
-nlohmann::ordered_json json_of(const vdna_msg_localisation_t &message);
-nlohmann::ordered_json json_of(const vdna_msg_status_t &message);
+// All that vdna_selectord says.
+const std::vector<View> &views();
 
 } // namespace vdna::telemetry

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <map>
 
+#include <vdna_messages.h>
 #include <vdna_msg_command_t.h>
 
 #include <vdna/cpp/connection.hpp>
@@ -18,16 +19,17 @@ const std::map<std::string, int32_t> commands{{"reset", VDNA_MSG_COMMAND_T_RESET
 
 struct CommandOptions {
     std::string command;
-    std::string channel = "VDNA_COMMAND";
+    std::string channel = VDNA_CHANNEL_COMMAND;
     std::string url;
 };
 
 void send_command(const CommandOptions &options)
 {
+    vdna_error error{};
+    require(vdna_transport_check_channel(options.channel.c_str(), &error), error);
     vdna_transport_config config;
     vdna_transport_config_init(&config);
     config.url = options.url.empty() ? nullptr : options.url.c_str();
-    config.command_channel = options.channel.c_str();
     const Connection connection = connect(config);
 
     using namespace std::chrono;
@@ -36,7 +38,8 @@ void send_command(const CommandOptions &options)
     message.utime = duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
     message.command = commands.at(options.command);
     message.argument = no_argument;
-    const vdna_status status = vdna_transport_publish_command(connection.get(), &message);
+    const vdna_status status = vdna_transport_publish(connection.get(), options.channel.c_str(),
+                                                      &vdna_message_command, &message);
     if (status != VDNA_OK)
         throw Error(options.channel + ": the command cannot be sent: " + vdna_status_text(status) +
                     "; see to the network");

@@ -104,7 +104,8 @@ void send(vdna_transport *transport, const PlayOptions &options, const frames::F
     cv::Mat pixels;
     const vdna_image image = as_camera_sends(frame, pixels);
     const int64_t utime = options.stamp == "recorded" ? frame.utime : wall_us();
-    const vdna_status status = vdna_transport_publish_image(transport, utime, &image);
+    const vdna_status status =
+        vdna_transport_publish_image(transport, options.reading.camera.c_str(), utime, &image);
     if (status != VDNA_OK)
         throw Error(frame.name + ": " + std::to_string(image.size) + " bytes cannot be sent: " +
                     vdna_status_text(status) + "; see to the network, or play smaller pictures");
@@ -136,10 +137,11 @@ uint64_t play_once(vdna_transport *transport, const PlayOptions &options, uint64
 
 void play(const PlayOptions &options)
 {
+    vdna_error error{};
+    require(vdna_transport_check_channel(options.reading.camera.c_str(), &error), error);
     vdna_transport_config config;
     vdna_transport_config_init(&config);
     config.url = options.url.empty() ? nullptr : options.url.c_str();
-    config.camera_channel = options.reading.camera.c_str();
     const Connection connection = connect(config);
 
     Beat beat(options.reading.rate_hz);

@@ -1,18 +1,19 @@
 // vdna watch: what a running vdna_selectord says, for people and for programs.
 #include <cctype>
-#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
+#include <string>
+#include <vector>
 
-#include <lcm/lcm.h>
-#include <poll.h>
 #include <unistd.h>
+#include <vdna_messages.h>
+#include <vdna_msg_localisation_t.h>
 
 #include <vdna/cpp/error.hpp>
-#include <vdna/transport.h>
+#include <vdna/listener.h>
 
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
@@ -29,11 +30,9 @@ struct WatchOptions {
     std::string url;
     bool json = false;
     bool summary = false;
-    double seconds = 0; // 0 = for ever
-    std::string until;  // "ranking", "localisation:N" or ""
-    std::string ranking_channel = "VDNA_RANKING";
-    std::string localisation_channel = "VDNA_LOCALISATION";
-    std::string status_channel = "VDNA_STATUS";
+    double seconds = 0;                // 0 = for ever
+    std::string until;                 // "ranking", "localisation:N" or ""
+    std::vector<std::string> channels; // of each view; "" = not listened to
 };
 
 // How many messages of a kind end the watch; 0 = they do not.
@@ -71,26 +70,15 @@ class Printer
     }
     ~Printer() { end_update(); }
 
-    void take(const vdna_msg_ranking_t &message)
+    void take(const telemetry::View &view, const void *message)
     {
-        rankings_++;
-        print(message, false);
-    }
-
-    void take(const vdna_msg_localisation_t &message)
-    {
-        localisations_++;
-        valid_ += message.validity == VDNA_MSG_LOCALISATION_T_VALID;
-        refused_ += message.validity == VDNA_MSG_LOCALISATION_T_REFUSED;
-        latency_us_ += static_cast<double>(message.latency_us);
-        if (!summary_)
-            print(message, updates_);
-    }
-
-    void take(const vdna_msg_status_t &message)
-    {
-        if (!summary_)
-            print(message, false);
+        const bool is_ranking = view.type == &vdna_message_ranking;
+        const bool is_localisation = view.type == &vdna_message_localisation;
+        rankings_ += is_ranking;
+        if (is_localisation)
+            count(*static_cast<const vdna_msg_localisation_t *>(message));
+        if (is_ranking || !summary_)
+            print(view, message, is_localisation && updates_);
     }
 
     bool reached(const Goal &goal) const
@@ -108,24 +96,31 @@ class Printer
     }
 
   private:
+    void count(const vdna_msg_localisation_t &message)
+    {
+        localisations_++;
+        valid_ += message.validity == VDNA_MSG_LOCALISATION_T_VALID;
+        refused_ += message.validity == VDNA_MSG_LOCALISATION_T_REFUSED;
+        latency_us_ += static_cast<double>(message.latency_us);
+    }
+
     // An update is a line that the next one overwrites.
-    template <typename Message>
-    void print(const Message &message, bool as_update)
+    void print(const telemetry::View &view, const void *message, bool as_update)
     {
         if (json_) {
             // A name that is not UTF-8 must not end the watch.
-            std::cout << telemetry::json_of(message).dump(
-                             -1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+            std::cout << view.json(message).dump(-1, ' ', false,
+                                                 nlohmann::ordered_json::error_handler_t::replace)
                       << std::endl;
             return;
         }
         if (as_update) {
-            std::cout << "\r\033[K" << telemetry::text_of(message) << std::flush;
+            std::cout << "\r\033[K" << view.text(message) << std::flush;
             open_update_ = true;
             return;
         }
         end_update();
-        std::cout << telemetry::text_of(message) << std::endl;
+        std::cout << view.text(message) << std::endl;
     }
 
     void end_update()
@@ -141,93 +136,50 @@ class Printer
     double latency_us_ = 0; // sum
 };
 
-// Check a message, decode it, hand it to the printer: one such type per message type, because
-// lcm-gen writes one set of functions for each.
-struct Ranking {
-    using Message = vdna_msg_ranking_t;
-    static constexpr auto check = vdna_transport_check_ranking;
-    static constexpr auto decode = vdna_msg_ranking_t_decode;
-    static constexpr auto cleanup = vdna_msg_ranking_t_decode_cleanup;
+struct CloseListener {
+    void operator()(vdna_listener *listener) const { vdna_listener_close(listener); }
 };
-struct Localisation {
-    using Message = vdna_msg_localisation_t;
-    static constexpr auto check = vdna_transport_check_localisation;
-    static constexpr auto decode = vdna_msg_localisation_t_decode;
-    static constexpr auto cleanup = vdna_msg_localisation_t_decode_cleanup;
-};
-struct Status {
-    using Message = vdna_msg_status_t;
-    static constexpr auto check = vdna_transport_check_status;
-    static constexpr auto decode = vdna_msg_status_t_decode;
-    static constexpr auto cleanup = vdna_msg_status_t_decode_cleanup;
-};
+using Listener = std::unique_ptr<vdna_listener, CloseListener>;
 
-template <typename Type>
-void on_message(const lcm_recv_buf_t *received, const char *channel, void *printer)
+Listener listen(const WatchOptions &options)
 {
-    // The decoders believe every length they read.
-    typename Type::Message message;
-    if (Type::check(received->data, received->data_size) != VDNA_OK ||
-        Type::decode(received->data, 0, static_cast<int>(received->data_size), &message) < 0) {
-        std::cerr << "vdna watch: " << channel << ": a message of another type or version, "
-                  << received->data_size << " bytes; left out\n";
-        return;
-    }
-    static_cast<Printer *>(printer)->take(message);
-    Type::cleanup(&message);
-}
+    const std::vector<telemetry::View> &views = telemetry::views();
+    std::vector<vdna_listener_channel> channels;
+    for (size_t i = 0; i < views.size(); i++)
+        if (!options.channels[i].empty())
+            channels.push_back({options.channels[i].c_str(), views[i].type});
 
-struct DestroyLcm {
-    void operator()(lcm_t *lcm) const { lcm_destroy(lcm); }
-};
-using Lcm = std::unique_ptr<lcm_t, DestroyLcm>;
-
-// LCM takes channels for regular expressions; the names of ours are meant literally.
-std::string literally(const std::string &channel)
-{
-    std::string pattern;
-    for (const char c : channel)
-        pattern += std::isalnum(static_cast<unsigned char>(c)) || c == '_' ? std::string(1, c)
-                                                                           : std::string("\\") + c;
-    return pattern;
-}
-
-void subscribe(lcm_t *lcm, const std::string &channel, lcm_msg_handler_t handler, Printer &printer)
-{
-    lcm_subscription_t *subscription =
-        lcm_subscribe(lcm, literally(channel).c_str(), handler, &printer);
-    if (!subscription)
-        throw Error(channel + ": LCM cannot subscribe to this channel; see to the network");
-    lcm_subscription_set_queue_capacity(subscription, 1000); // of 30; a slow terminal loses none
-}
-
-Lcm listen(const WatchOptions &options, Printer &printer)
-{
-    Lcm lcm(lcm_create(options.url.empty() ? nullptr : options.url.c_str()));
-    if (!lcm)
-        throw Error("LCM cannot use the URL '" + options.url +
-                    "'; expected one such as udpm://239.255.76.67:7667?ttl=0");
-    subscribe(lcm.get(), options.ranking_channel, on_message<Ranking>, printer);
-    subscribe(lcm.get(), options.localisation_channel, on_message<Localisation>, printer);
-    subscribe(lcm.get(), options.status_channel, on_message<Status>, printer);
-    return lcm;
+    vdna_listener_config config;
+    vdna_listener_config_init(&config);
+    config.url = options.url.empty() ? nullptr : options.url.c_str();
+    config.channels = channels.data();
+    config.channel_count = static_cast<uint32_t>(channels.size());
+    vdna_listener *listener = nullptr;
+    vdna_error error{};
+    require(vdna_listener_open(&config, &error, &listener), error);
+    return Listener(listener);
 }
 
 // Handle the next message, if one comes within a moment.
-void handle_one(lcm_t *lcm)
+void handle_one(vdna_listener *listener, Printer &printer)
 {
-    constexpr int moment_ms = 100;
-    pollfd incoming{lcm_get_fileno(lcm), POLLIN, 0};
-    const int ready = poll(&incoming, 1, moment_ms);
-    if ((ready < 0 && errno != EINTR) || (ready > 0 && lcm_handle(lcm) != 0))
+    constexpr int32_t moment_ms = 100;
+    vdna_listener_message message;
+    if (vdna_listener_poll(listener, moment_ms, &message) != VDNA_OK)
         throw Error("the LCM connection is gone; see to the network and start again");
+    if (message.rejected)
+        std::cerr << "vdna watch: " << message.channel << ": " << message.rejected << ", "
+                  << message.size << " bytes; left out\n";
+    for (const telemetry::View &view : telemetry::views())
+        if (message.data && message.type == view.type)
+            printer.take(view, message.data);
 }
 
 void watch(const WatchOptions &options)
 {
     const Goal goal = parse_goal(options.until);
     Printer printer(options);
-    const Lcm lcm = listen(options, printer);
+    const Listener listener = listen(options);
     std::cerr << "vdna watch: listening" << std::endl;
 
     using Clock = std::chrono::steady_clock;
@@ -237,7 +189,7 @@ void watch(const WatchOptions &options)
                Clock::now() - begin >= std::chrono::duration<double>(options.seconds);
     };
     while (!printer.reached(goal) && !is_over() && !program::interrupted())
-        handle_one(lcm.get());
+        handle_one(listener.get(), printer);
 
     if (options.summary)
         printer.print_summary();
@@ -269,10 +221,13 @@ void add_watch(CLI::App &app)
         ->add_option("--until", options->until,
                      "end after a ranking, or after N localisations; exit 1 if --for ends first")
         ->type_name("ranking|localisation:N");
-    command->add_option("--ranking", options->ranking_channel, "channel")->capture_default_str();
-    command->add_option("--localisation", options->localisation_channel, "channel")
-        ->capture_default_str();
-    command->add_option("--status", options->status_channel, "channel")->capture_default_str();
+    for (const telemetry::View &view : telemetry::views())
+        options->channels.push_back(view.channel);
+    for (size_t i = 0; i < options->channels.size(); i++)
+        command
+            ->add_option(std::string("--") + telemetry::views()[i].name, options->channels[i],
+                         "channel")
+            ->capture_default_str();
     command->callback([options] { watch(*options); });
 }
 

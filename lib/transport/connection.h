@@ -2,17 +2,11 @@
 #ifndef VDNA_CONNECTION_H
 #define VDNA_CONNECTION_H
 
-#include <lcm/lcm.h>
-#include <stdbool.h>
-#include <vdna/transport.h>
-
-/* A literal channel name; empty = not used. */
-typedef char channel_name[LCM_MAX_CHANNEL_NAME_LENGTH + 1];
+#include "network.h"
 
 struct vdna_transport {
-    lcm_t *lcm;
-    bool is_log; /* a file:// URL: messages wait until they are read */
-    channel_name camera, command, ranking, localisation, status;
+    vdna_network network;
+    channel_name camera, command;
     vdna_transport_counters counters;
 
     /* What the poll under way has found. */

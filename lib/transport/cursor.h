@@ -65,10 +65,10 @@ static inline void cursor_strings(cursor *c, uint32_t count)
 
 /* A cursor behind the fingerprint, which tells whether the message is of the type expected.
  * Generated decoders take the size as an int, so a larger message is broken as well. */
-static inline cursor cursor_begin(const void *data, size_t size, int64_t fingerprint)
+static inline cursor cursor_begin(const void *data, size_t size, uint64_t fingerprint)
 {
     cursor c = {data, size, !data || size > INT32_MAX};
-    if (cursor_int64(&c) != fingerprint)
+    if (cursor_unsigned(&c, sizeof fingerprint) != fingerprint)
         c.broken = true;
     return c;
 }

@@ -1,16 +1,6 @@
 #include "cursor.h"
-#include <bot_core_image_t.h>
 #include <vdna/transport.h>
-
-/* Metadata is of no use to us, but must be well-formed for the message to be. */
-static void skip_metadata(cursor *c)
-{
-    const uint32_t count = cursor_count(c);
-    for (uint32_t i = 0; i < count && !c->broken; i++) {
-        cursor_strings(c, 1);
-        cursor_take(c, cursor_count(c), 1);
-    }
-}
+#include <vdna_messages.h>
 
 /* see vdna/transport.h */
 vdna_status vdna_transport_parse_image(const void *data, size_t size,
@@ -18,9 +8,12 @@ vdna_status vdna_transport_parse_image(const void *data, size_t size,
 {
     if (!out_frame)
         return VDNA_ERR_ARG;
+    const vdna_status status = vdna_transport_check(&vdna_message_image, data, size);
+    if (status != VDNA_OK)
+        return status;
 
     vdna_transport_frame frame = {.received_us = 0};
-    cursor c = cursor_begin(data, size, __bot_core_image_t_get_hash());
+    cursor c = cursor_begin(data, size, vdna_message_image.fingerprint);
     frame.utime = cursor_int64(&c);
     frame.image.width = cursor_count(&c);
     frame.image.height = cursor_count(&c);
@@ -28,11 +21,10 @@ vdna_status vdna_transport_parse_image(const void *data, size_t size,
     frame.image.pixelformat = (uint32_t)cursor_unsigned(&c, sizeof(int32_t));
     frame.image.size = cursor_count(&c);
     frame.image.data = cursor_take(&c, frame.image.size, 1);
-    skip_metadata(&c);
 
     /* A camera names its format. 0 would let the network choose among all file formats that the
      * picture decoder happens to know. */
-    if (!cursor_complete(&c) || frame.image.pixelformat == VDNA_PIXEL_ENCODED)
+    if (c.broken || frame.image.pixelformat == VDNA_PIXEL_ENCODED)
         return VDNA_ERR_FORMAT;
     *out_frame = frame;
     return VDNA_OK;

@@ -1,18 +1,13 @@
 #include "connection.h"
 #include <bot_core_image_t.h>
 #include <stdlib.h>
-#include <vdna_msg_command_t.h>
-#include <vdna_msg_localisation_t.h>
-#include <vdna_msg_ranking_t.h>
-#include <vdna_msg_status_t.h>
-
-/* The encoders that lcm-gen writes take a complete message for granted: every function here
- * checks its message, makes room for it, encodes, and sends. */
+#include <string.h>
+#include <vdna_messages.h>
 
 /* see connection.h */
 vdna_status vdna_transport_reserve(vdna_transport *transport, size_t size)
 {
-    if (size > LCM_MAX_MESSAGE_SIZE)
+    if (size > VDNA_MESSAGE_BYTES_MAX)
         return VDNA_ERR_ARG;
     if (size <= transport->message_size)
         return VDNA_OK;
@@ -26,109 +21,94 @@ vdna_status vdna_transport_reserve(vdna_transport *transport, size_t size)
     return VDNA_OK;
 }
 
-/* Room for a message whose encoder asks for `size` bytes. */
-static vdna_status reserve(vdna_transport *transport, int size)
+/* A count in a struct. */
+static int32_t count_at(const char *place)
 {
-    return size < 0 ? VDNA_ERR_ARG : vdna_transport_reserve(transport, (size_t)size);
+    int32_t count;
+    memcpy(&count, place, sizeof count);
+    return count;
 }
 
-/* Send the encoded message; `size` is what the encoder returned. */
-static vdna_status send_encoded(vdna_transport *transport, const char *channel, int size)
+/* A pointer in a struct, whatever it points to. */
+static const char *pointer_at(const char *place)
 {
-    if (size < 0)
-        return VDNA_ERR_ARG;
-    if (lcm_publish(transport->lcm, channel, transport->message, (unsigned)size) != 0)
-        return VDNA_ERR_IO;
-    return VDNA_OK;
+    const char *pointer;
+    memcpy(&pointer, place, sizeof pointer);
+    return pointer;
 }
 
-static bool is_complete_ranking(const vdna_msg_ranking_t *message)
+static bool is_complete(const vdna_message_type *type, const char *message);
+
+static bool are_complete(const vdna_message_member *member, const char *elements, size_t length)
 {
-    if (!message->backbone || !message->comparable || message->count < 0)
-        return false;
-    if (message->count > 0 && (!message->experience || !message->distance_bins || !message->tied ||
-                               !message->predicted_recall))
-        return false;
-    for (int32_t i = 0; i < message->count; i++)
-        if (!message->experience[i])
+    if (!elements)
+        return length == 0;
+    if (member->kind == VDNA_MESSAGE_STRING)
+        for (size_t i = 0; i < length; i++)
+            if (!pointer_at(elements + i * sizeof(char *)))
+                return false;
+    if (member->kind == VDNA_MESSAGE_STRUCT)
+        for (size_t i = 0; i < length; i++)
+            if (!is_complete(member->type, elements + i * member->type->struct_size))
+                return false;
+    return true;
+}
+
+/* The encoders that lcm-gen writes take a complete message for granted: no count below 0, and
+ * something behind every pointer that they follow. */
+static bool is_complete(const vdna_message_type *type, const char *message)
+{
+    for (uint32_t i = 0; i < type->member_count; i++) {
+        const vdna_message_member *member = &type->members[i];
+        const char *elements = message + member->offset;
+        size_t length = member->length;
+        if (member->kind == VDNA_MESSAGE_COUNT && count_at(elements) < 0)
             return false;
+        if (length == 0) {
+            /* It is not negative: the member that counts comes before those that it counts. */
+            length = (size_t)count_at(message + type->members[member->count_member].offset);
+            elements = pointer_at(elements);
+        }
+        if (!are_complete(member, elements, length))
+            return false;
+    }
     return true;
 }
 
 /* see vdna/transport.h */
-vdna_status vdna_transport_publish_ranking(vdna_transport *transport,
-                                           const vdna_msg_ranking_t *message)
+vdna_status vdna_transport_publish(vdna_transport *transport, const char *channel,
+                                   const vdna_message_type *type, const void *message)
 {
-    if (!transport || !transport->ranking[0] || !message || !is_complete_ranking(message))
+    if (!transport || vdna_transport_check_channel(channel, NULL) != VDNA_OK || !type || !message ||
+        !is_complete(type, message))
         return VDNA_ERR_ARG;
 
-    const int size = vdna_msg_ranking_t_encoded_size(message);
-    const vdna_status status = reserve(transport, size);
-    if (status != VDNA_OK)
-        return status;
-    return send_encoded(transport, transport->ranking,
-                        vdna_msg_ranking_t_encode(transport->message, 0, size, message));
-}
-
-/* see vdna/transport.h */
-vdna_status vdna_transport_publish_localisation(vdna_transport *transport,
-                                                const vdna_msg_localisation_t *message)
-{
-    if (!transport || !transport->localisation[0] || !message || !message->experience)
+    const int32_t size = type->encoded_size(message);
+    if (size < 0)
         return VDNA_ERR_ARG;
-
-    const int size = vdna_msg_localisation_t_encoded_size(message);
-    const vdna_status status = reserve(transport, size);
+    const vdna_status status = vdna_transport_reserve(transport, (size_t)size);
     if (status != VDNA_OK)
         return status;
-    return send_encoded(transport, transport->localisation,
-                        vdna_msg_localisation_t_encode(transport->message, 0, size, message));
-}
-
-/* see vdna/transport.h */
-vdna_status vdna_transport_publish_status(vdna_transport *transport,
-                                          const vdna_msg_status_t *message)
-{
-    if (!transport || !transport->status[0] || !message || !message->experience ||
-        !message->backbone || !message->version || !message->message)
+    if (type->encode(message, transport->message, size) != size)
         return VDNA_ERR_ARG;
-
-    const int size = vdna_msg_status_t_encoded_size(message);
-    const vdna_status status = reserve(transport, size);
-    if (status != VDNA_OK)
-        return status;
-    return send_encoded(transport, transport->status,
-                        vdna_msg_status_t_encode(transport->message, 0, size, message));
-}
-
-/* see vdna/transport.h */
-vdna_status vdna_transport_publish_command(vdna_transport *transport,
-                                           const vdna_msg_command_t *message)
-{
-    if (!transport || !transport->command[0] || !message || !message->argument)
-        return VDNA_ERR_ARG;
-
-    const int size = vdna_msg_command_t_encoded_size(message);
-    const vdna_status status = reserve(transport, size);
-    if (status != VDNA_OK)
-        return status;
-    return send_encoded(transport, transport->command,
-                        vdna_msg_command_t_encode(transport->message, 0, size, message));
+    if (lcm_publish(transport->network.lcm, channel, transport->message, (unsigned)size) != 0)
+        return VDNA_ERR_IO;
+    return VDNA_OK;
 }
 
 /* Whether the message's signed 32-bit members can hold the picture's. */
 static bool is_sendable(const vdna_image *image)
 {
-    return image->data && image->size <= LCM_MAX_MESSAGE_SIZE && image->width <= INT32_MAX &&
+    return image->data && image->size <= VDNA_MESSAGE_BYTES_MAX && image->width <= INT32_MAX &&
            image->height <= INT32_MAX && image->row_stride <= INT32_MAX &&
            image->pixelformat != VDNA_PIXEL_ENCODED;
 }
 
 /* see vdna/transport.h */
-vdna_status vdna_transport_publish_image(vdna_transport *transport, int64_t utime,
-                                         const vdna_image *image)
+vdna_status vdna_transport_publish_image(vdna_transport *transport, const char *channel,
+                                         int64_t utime, const vdna_image *image)
 {
-    if (!transport || !transport->camera[0] || !image || !is_sendable(image))
+    if (!image || !is_sendable(image))
         return VDNA_ERR_ARG;
 
     const bot_core_image_t message = {
@@ -140,10 +120,5 @@ vdna_status vdna_transport_publish_image(vdna_transport *transport, int64_t utim
         .size = (int32_t)image->size,
         .data = (uint8_t *)image->data, /* the encoder only reads it */
     };
-    const int size = bot_core_image_t_encoded_size(&message);
-    const vdna_status status = reserve(transport, size);
-    if (status != VDNA_OK)
-        return status;
-    return send_encoded(transport, transport->camera,
-                        bot_core_image_t_encode(transport->message, 0, size, &message));
+    return vdna_transport_publish(transport, channel, &vdna_message_image, &message);
 }

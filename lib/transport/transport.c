@@ -4,7 +4,6 @@
 #include <string.h>
 
 #define DEFAULT_MAX_IMAGE_BYTES (8u << 20)
-#define LCM_OWN_DEFAULT_URL "udpm://239.255.76.67:7667?ttl=0"
 
 /* see vdna/transport.h */
 void vdna_transport_config_init(vdna_transport_config *config)
@@ -22,15 +21,15 @@ static vdna_status check_config(const vdna_transport_config *config, vdna_error 
         return vdna_fail(error, VDNA_ERR_ARG,
                          "transport: the configuration was not made by "
                          "vdna_transport_config_init() of this version");
-    if (config->max_image_bytes == 0 || config->max_image_bytes > LCM_MAX_MESSAGE_SIZE)
+    if (config->max_image_bytes == 0 || config->max_image_bytes > VDNA_MESSAGE_BYTES_MAX)
         return vdna_fail(error, VDNA_ERR_ARG,
-                         "transport: max_image_bytes is %u, expected 1..%d, LCM's largest message",
-                         config->max_image_bytes, LCM_MAX_MESSAGE_SIZE);
-    if (config->max_message_bytes > LCM_MAX_MESSAGE_SIZE)
+                         "transport: max_image_bytes is %u, expected 1..%u, LCM's largest message",
+                         config->max_image_bytes, VDNA_MESSAGE_BYTES_MAX);
+    if (config->max_message_bytes > VDNA_MESSAGE_BYTES_MAX)
         return vdna_fail(
             error, VDNA_ERR_ARG,
-            "transport: max_message_bytes is %u, expected 0..%d, LCM's largest message",
-            config->max_message_bytes, LCM_MAX_MESSAGE_SIZE);
+            "transport: max_message_bytes is %u, expected 0..%u, LCM's largest message",
+            config->max_message_bytes, VDNA_MESSAGE_BYTES_MAX);
     return VDNA_OK;
 }
 
@@ -38,27 +37,9 @@ static vdna_status keep_channel(channel_name out_name, const char *name, vdna_er
 {
     if (!name)
         return VDNA_OK;
-    const size_t length = strlen(name);
-    if (length == 0 || length > LCM_MAX_CHANNEL_NAME_LENGTH)
-        return vdna_fail(error, VDNA_ERR_ARG,
-                         "transport: channel name \"%s\" has %zu bytes, LCM allows 1..%d", name,
-                         length, LCM_MAX_CHANNEL_NAME_LENGTH);
-    memcpy(out_name, name, length + 1);
-    return VDNA_OK;
-}
-
-static vdna_status keep_channels(vdna_transport *transport, const vdna_transport_config *config,
-                                 vdna_error *error)
-{
-    vdna_status status = keep_channel(transport->camera, config->camera_channel, error);
+    const vdna_status status = vdna_transport_check_channel(name, error);
     if (status == VDNA_OK)
-        status = keep_channel(transport->command, config->command_channel, error);
-    if (status == VDNA_OK)
-        status = keep_channel(transport->ranking, config->ranking_channel, error);
-    if (status == VDNA_OK)
-        status = keep_channel(transport->localisation, config->localisation_channel, error);
-    if (status == VDNA_OK)
-        status = keep_channel(transport->status, config->status_channel, error);
+        memcpy(out_name, name, strlen(name) + 1);
     return status;
 }
 
@@ -86,42 +67,8 @@ static vdna_status reserve_message(vdna_transport *transport, size_t size, vdna_
     return VDNA_OK;
 }
 
-/* The URL that LCM will use, by LCM's own rule. */
-static const char *effective_url(const char *url)
-{
-    if (!url || !*url)
-        url = getenv("LCM_DEFAULT_URL");
-    return url && *url ? url : LCM_OWN_DEFAULT_URL;
-}
-
-static bool has_scheme(const char *url, const char *scheme)
-{
-    return strncmp(url, scheme, strlen(scheme)) == 0;
-}
-
-static vdna_status connect_lcm(vdna_transport *transport, const char *configured_url,
-                               vdna_error *error)
-{
-    const char *url = effective_url(configured_url);
-    transport->is_log = has_scheme(url, "file://");
-    transport->lcm = lcm_create(url);
-    if (transport->lcm)
-        return VDNA_OK;
-    if (has_scheme(url, "udpm://"))
-        return vdna_fail(
-            error, VDNA_ERR_IO,
-            "%.200s: LCM cannot use this network; expected a URL such as " LCM_OWN_DEFAULT_URL
-            "; if this machine has no network, it lacks a route: `ip route add 224.0.0.0/4 dev lo`",
-            url);
-    return vdna_fail(error, VDNA_ERR_IO,
-                     "%.200s: LCM cannot open this and says why on standard error; expected a URL "
-                     "such as " LCM_OWN_DEFAULT_URL ", file:///path/to/log?speed=1 or memq://",
-                     url);
-}
-
-/* LCM 1.3 to 1.5, udpm://: messages queued per subscription; messages half received, all channels
- * together; what it keeps per message, and for itself. */
-#define LCM_QUEUED 30
+/* LCM 1.3 to 1.5, udpm://: messages half received, all channels together; what it keeps per
+ * message, and for itself. */
 #define LCM_FRAGMENTS_MAX (16u << 20)
 #define LCM_DATAGRAM_MAX 65536u
 #define LCM_ITSELF (1u << 20)
@@ -138,8 +85,8 @@ vdna_status vdna_transport_memory_of(const vdna_transport_config *config,
 
     const uint64_t image = config->camera_channel ? config->max_image_bytes : 0;
     const uint64_t message = config->max_image_bytes + IMAGE_MESSAGE_OVERHEAD;
-    const uint64_t pictures = config->camera_channel ? LCM_QUEUED + 1 : 0;
-    const uint64_t commands = config->command_channel ? LCM_QUEUED + 1 : 0;
+    const uint64_t pictures = config->camera_channel ? VDNA_TRANSPORT_QUEUE + 1 : 0;
+    const uint64_t commands = config->command_channel ? VDNA_TRANSPORT_QUEUE + 1 : 0;
     /* Each datagram passes through a ring that grows by half when it is full, and the rings before
      * it stay until they are empty: at most three times what is in them. */
     const uint64_t rings = 3 * (pictures + commands + 1) * LCM_DATAGRAM_MAX;
@@ -162,13 +109,15 @@ vdna_status vdna_transport_open(const vdna_transport_config *config, vdna_error 
     if (!transport)
         return vdna_fail(error, VDNA_ERR_NOMEM, "transport: no memory left");
 
-    status = keep_channels(transport, config, error);
+    status = keep_channel(transport->camera, config->camera_channel, error);
+    if (status == VDNA_OK)
+        status = keep_channel(transport->command, config->command_channel, error);
     if (status == VDNA_OK)
         status = reserve_picture(transport, config->max_image_bytes, error);
     if (status == VDNA_OK)
         status = reserve_message(transport, config->max_message_bytes, error);
     if (status == VDNA_OK)
-        status = connect_lcm(transport, config->url, error);
+        status = vdna_network_open(&transport->network, config->url, error);
     if (status == VDNA_OK)
         status = vdna_transport_subscribe(transport, error);
     if (status != VDNA_OK) {
@@ -184,8 +133,7 @@ void vdna_transport_close(vdna_transport *transport)
 {
     if (!transport)
         return;
-    if (transport->lcm)
-        lcm_destroy(transport->lcm);
+    vdna_network_close(&transport->network);
     free(transport->picture);
     free(transport->message);
     free(transport);

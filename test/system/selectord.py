@@ -250,3 +250,10 @@ def image_message(utime, data):
     mjpg = int.from_bytes(b"MJPG", "little")
     return (struct.pack(">QqiiiIi", fingerprint, utime, 0, 0, 0, mjpg, len(data)) + data +
             struct.pack(">i", 0))
+
+
+def localisation_message(utime):
+    """A vdna_msg.localisation_t that says WARMING_UP."""
+    fingerprint = 0xDCE0E162D5578A9D
+    return struct.pack(">QqiI1siqbqb3dddqq", fingerprint, utime, 1, 1, b"\0", -1, 0, 0, 0, 0,
+                       0, 0, 0, 0, 0, 0, 0)

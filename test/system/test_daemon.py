@@ -3,16 +3,18 @@
 Environment: VDNA_BIN (folder of the programs), VDNA_MODELS (folder of the backbones).
 Works in the current directory; an existing map is used again.
 """
+import json
 import os
 import shutil
 import signal
 import statistics
 import subprocess
 import time
+import unittest
 
 import own_network
-from selectord import (BIN, Camera, Selectord, Watch, WithConfiguration, image_message, selectord,
-                       vdna, vdna_json)
+from selectord import (BIN, Camera, Selectord, Watch, WithConfiguration, image_message,
+                       localisation_message, selectord, vdna, vdna_json)
 
 WORK = os.path.abspath("daemon")
 MAP = os.path.join(WORK, "map")
@@ -263,6 +265,23 @@ class Network(WithConfiguration):
             time.sleep(delay)
             process.terminate()
             self.assertIn(process.wait(20), (0, -signal.SIGTERM))
+
+
+class Onlooker(unittest.TestCase):
+    """`vdna watch` without a daemon."""
+
+    def test_a_reader_who_takes_his_time_loses_nothing(self):
+        sent = 900  # a pipe holds some 200, LCM by itself would keep 30
+        with Camera("VDNA_LOCALISATION") as daemon, subprocess.Popen(
+                [os.path.join(BIN, "vdna"), "watch", "--json", "--until", f"localisation:{sent}",
+                 "--for", "20"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                text=True) as watch:
+            self.assertIn("listening", watch.stderr.readline())
+            for utime in range(sent):
+                daemon.send(localisation_message(utime))
+                time.sleep(0.0005)
+            lines = watch.communicate()[0].splitlines()
+        self.assertEqual([json.loads(line)["utime"] for line in lines], list(range(sent)))
 
 
 class CommandLine(WithConfiguration):

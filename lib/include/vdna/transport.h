@@ -1,6 +1,6 @@
 /** @file vdna/transport.h
- *  @brief LCM in and out: the newest camera frame and commands in; ranking, localisation and
- *         status out. No policy.
+ *  @brief LCM in and out: the newest camera frame and commands in; any message of ours out. No
+ *         policy.
  *
  *  Messages, channels and units: docs/reference/SPEC-lcm.md. Inbound bytes are checked in place
  *  before anything is believed. An LCM network is a trusted network: anyone on it can send.
@@ -10,23 +10,40 @@
 #define VDNA_TRANSPORT_H
 
 #include <vdna/image.h>
+#include <vdna/message.h>
 #include <vdna/status.h>
-
-/* Generated from lcmtypes/ by lcm-gen. */
-struct _vdna_msg_ranking_t;
-struct _vdna_msg_localisation_t;
-struct _vdna_msg_status_t;
-struct _vdna_msg_command_t;
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+/** LCM's own default network, which does not leave this machine. */
+#define VDNA_LCM_URL "udpm://239.255.76.67:7667?ttl=0"
+
+#define VDNA_CHANNEL_CAMERA "CAMERA"                  /**< default channel of bot_core.image_t */
+#define VDNA_CHANNEL_COMMAND "VDNA_COMMAND"           /**< of vdna_msg.command_t */
+#define VDNA_CHANNEL_RANKING "VDNA_RANKING"           /**< of vdna_msg.ranking_t */
+#define VDNA_CHANNEL_LOCALISATION "VDNA_LOCALISATION" /**< of vdna_msg.localisation_t */
+#define VDNA_CHANNEL_STATUS "VDNA_STATUS"             /**< of vdna_msg.status_t */
+
+/** Most bytes of a channel name; LCM's limit. */
+#define VDNA_CHANNEL_BYTES_MAX 63
+/** Most bytes of a message; LCM's limit. */
+#define VDNA_MESSAGE_BYTES_MAX (1u << 28)
+
+/** Messages of a channel that LCM queues for a transport; it drops the newest beyond. */
+#define VDNA_TRANSPORT_QUEUE 30u
+/** As VDNA_TRANSPORT_QUEUE, default of a listener: one on a slow terminal loses none. */
+#define VDNA_LISTENER_QUEUE 1000u
+
+/** Longest time that a poll may wait, in milliseconds. */
+#define VDNA_TIMEOUT_MS_MAX 1000
+
 /** A connection to an LCM network. One thread at a time. */
 typedef struct vdna_transport vdna_transport;
 
-/** How to connect. Fill with vdna_transport_config_init(). A channel that is NULL is neither
- *  subscribed to nor published on; another has 1..63 bytes. Strings are copied. */
+/** How to connect. Fill with vdna_transport_config_init(). A channel that is NULL is not subscribed
+ *  to; another has 1..63 bytes. Strings are copied. */
 typedef struct vdna_transport_config {
     uint32_t struct_size;     /**< bytes of this struct, set by vdna_transport_config_init() */
     uint32_t max_image_bytes; /**< largest camera picture kept, 1..2^28; default 8 MiB; allocated at
@@ -35,11 +52,8 @@ typedef struct vdna_transport_config {
                                      larger one makes it grow; default 0 */
     uint32_t reserved;          /**< 0 */
     const char *url; /**< LCM URL; NULL = $LCM_DEFAULT_URL, else LCM's default (default) */
-    const char *camera_channel;       /**< bot_core.image_t in; default NULL */
-    const char *command_channel;      /**< vdna_msg.command_t; default NULL */
-    const char *ranking_channel;      /**< vdna_msg.ranking_t; default NULL */
-    const char *localisation_channel; /**< vdna_msg.localisation_t; default NULL */
-    const char *status_channel;       /**< vdna_msg.status_t; default NULL */
+    const char *camera_channel;  /**< bot_core.image_t in; default NULL */
+    const char *command_channel; /**< vdna_msg.command_t in; default NULL */
 } vdna_transport_config;
 
 /** The newest camera frame. `image.data` is borrowed until the next vdna_transport_poll(). */
@@ -59,17 +73,18 @@ typedef struct vdna_transport_counters {
     uint64_t rejected;          /**< messages on our channels that break their format */
     uint64_t commands;          /**< well-formed command messages */
     uint64_t picture_bytes_max; /**< largest picture in a well-formed camera message */
-    uint32_t backlog_max; /**< most messages found waiting by one poll; LCM queues 30 a channel
-                               and then drops the newest, uncounted */
-    uint32_t reserved;    /**< 0 */
+    uint32_t backlog_max;       /**< most messages found waiting by one poll; beyond
+                                     VDNA_TRANSPORT_QUEUE a channel, LCM drops the newest, uncounted */
+    uint32_t reserved;          /**< 0 */
 } vdna_transport_counters;
 
 /** Most memory that a transport holds, in bytes. */
 typedef struct vdna_transport_memory {
     uint64_t own_bytes; /**< its own, allocated by vdna_transport_open() */
-    uint64_t lcm_bytes; /**< LCM's, over udpm:// : 30 messages queued for each channel subscribed
-                           to, and messages half received. Holds as long as no message on the whole
-                             network has more bytes than a camera message of max_image_bytes */
+    uint64_t lcm_bytes; /**< LCM's, over udpm:// : VDNA_TRANSPORT_QUEUE messages for each channel
+                             subscribed to, and messages half received. Holds as long as no message
+                             on the whole network has more bytes than a camera message of
+                             max_image_bytes */
 } vdna_transport_memory;
 
 /** What vdna_transport_poll() found; bits. */
@@ -105,7 +120,7 @@ VDNA_API void vdna_transport_close(vdna_transport *transport);
  *  A log (file:// URL) is taken message by message instead: it does not run away, so no frame of it
  *  is skipped, and a replay gives the same answers at any speed.
  *  @param transport   an open one
- *  @param timeout_ms  0 = do not wait, at most 1000
+ *  @param timeout_ms  0 = do not wait, at most VDNA_TIMEOUT_MS_MAX
  *  @param out_events  VDNA_TRANSPORT_ bits; 0 if nothing came in time, a signal interrupted, or
  *                     what came was not well-formed or not a command that is known
  *  @param out_frame   set if the FRAME bit is
@@ -118,44 +133,42 @@ VDNA_API vdna_status vdna_transport_poll(vdna_transport *transport, int32_t time
  *  @return valid as long as the transport is open; NULL for NULL */
 VDNA_API const vdna_transport_counters *vdna_transport_count(const vdna_transport *transport);
 
-/** Publish a message on its channel of the config. Nothing of it is kept. All strings and arrays
- *  must be there; "" and a count of 0 are allowed.
+/** Say whether LCM allows a channel name: 1..VDNA_CHANNEL_BYTES_MAX bytes.
+ *  @param name   NULL is not allowed
+ *  @param error  filled on failure; NULL = not wanted
+ *  @return VDNA_OK; VDNA_ERR_ARG */
+VDNA_API vdna_status vdna_transport_check_channel(const char *name, vdna_error *error);
+
+/** Publish a message. Nothing of it is kept. All strings and arrays must be there; "" and a count
+ * of 0 are allowed.
  *  @param transport  an open one
- *  @param message    needed for this call only
- *  @return VDNA_OK; VDNA_ERR_ARG if that channel is NULL; VDNA_ERR_IO, always so for a log that is
- *          being read; VDNA_ERR_NOMEM */
-VDNA_API vdna_status vdna_transport_publish_ranking(vdna_transport *transport,
-                                                    const struct _vdna_msg_ranking_t *message);
-/** @copydoc vdna_transport_publish_ranking() */
-VDNA_API vdna_status vdna_transport_publish_localisation(
-    vdna_transport *transport, const struct _vdna_msg_localisation_t *message);
-/** @copydoc vdna_transport_publish_ranking() */
-VDNA_API vdna_status vdna_transport_publish_status(vdna_transport *transport,
-                                                   const struct _vdna_msg_status_t *message);
-/** @copydoc vdna_transport_publish_ranking() */
-VDNA_API vdna_status vdna_transport_publish_command(vdna_transport *transport,
-                                                    const struct _vdna_msg_command_t *message);
-/** Publish a camera frame on the camera channel, as a driver would.
+ *  @param channel    1..VDNA_CHANNEL_BYTES_MAX bytes
+ *  @param type       one of <vdna_messages.h>, such as &vdna_message_ranking
+ *  @param message    the struct that lcm-gen declares for it, such as a vdna_msg_ranking_t; needed
+ *                    for this call only
+ *  @return VDNA_OK; VDNA_ERR_ARG, also if a count is negative or a string or an array is missing;
+ *          VDNA_ERR_IO, always so for a log that is being read; VDNA_ERR_NOMEM */
+VDNA_API vdna_status vdna_transport_publish(vdna_transport *transport, const char *channel,
+                                            const vdna_message_type *type, const void *message);
+
+/** Publish a camera frame, as a driver would.
  *  @param transport  an open one
+ *  @param channel    as for vdna_transport_publish()
  *  @param utime      the camera's stamp in microseconds
  *  @param image      VDNA_PIXEL_ENCODED is not allowed: a JPEG is VDNA_PIXEL_MJPG
- *  @return as vdna_transport_publish_ranking() */
-VDNA_API vdna_status vdna_transport_publish_image(vdna_transport *transport, int64_t utime,
-                                                  const vdna_image *image);
+ *  @return as vdna_transport_publish() */
+VDNA_API vdna_status vdna_transport_publish_image(vdna_transport *transport, const char *channel,
+                                                  int64_t utime, const vdna_image *image);
 
 /** Check the bytes of a message before a generated decoder sees them: lengths, ends, fingerprint.
  *  The decoders that lcm-gen writes trust every length they read. What passes, they read to its
  *  last byte; whether the values make sense is the reader's to judge.
+ *  @param type  one of <vdna_messages.h>
  *  @param data  [size], a whole message
  *  @param size  bytes
- *  @return VDNA_OK; VDNA_ERR_FORMAT */
-VDNA_API vdna_status vdna_transport_check_ranking(const void *data, size_t size);
-/** @copydoc vdna_transport_check_ranking() */
-VDNA_API vdna_status vdna_transport_check_localisation(const void *data, size_t size);
-/** @copydoc vdna_transport_check_ranking() */
-VDNA_API vdna_status vdna_transport_check_status(const void *data, size_t size);
-/** @copydoc vdna_transport_check_ranking() */
-VDNA_API vdna_status vdna_transport_check_command(const void *data, size_t size);
+ *  @return VDNA_OK; VDNA_ERR_FORMAT; VDNA_ERR_ARG if `type` is NULL */
+VDNA_API vdna_status vdna_transport_check(const vdna_message_type *type, const void *data,
+                                          size_t size);
 
 /** Read a camera message in place. Sides must not be negative, and there must be a pixel format;
  *  whether the picture has as many bytes as they ask for is for its decoder to judge.

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include <vdna_messages.h>
 #include <vdna_msg_command_t.h>
 
 #include <vdna/cpp/connection.hpp>
@@ -33,7 +34,8 @@ struct Run {
 void send_frame()
 {
     const vdna_image image{pixels, sizeof pixels, 8, 8, 0, VDNA_PIXEL_GREY};
-    vdna_transport_publish_image(run.transport, static_cast<int64_t>(run.done), &image);
+    vdna_transport_publish_image(run.transport, VDNA_CHANNEL_CAMERA, static_cast<int64_t>(run.done),
+                                 &image);
 }
 
 void send_reset()
@@ -42,7 +44,7 @@ void send_reset()
     vdna_msg_command_t command{};
     command.command = VDNA_MSG_COMMAND_T_RESET;
     command.argument = nothing;
-    vdna_transport_publish_command(run.transport, &command);
+    vdna_transport_publish(run.transport, VDNA_CHANNEL_COMMAND, &vdna_message_command, &command);
 }
 
 void frame_done()
@@ -71,11 +73,8 @@ void process(const char *map_directory, uint64_t frames)
     transport.url = "memq://";
     transport.max_image_bytes = sizeof pixels;
     transport.max_message_bytes = daemon.message_size_max();
-    transport.camera_channel = "CAMERA";
-    transport.command_channel = "VDNA_COMMAND";
-    transport.ranking_channel = "VDNA_RANKING";
-    transport.localisation_channel = "VDNA_LOCALISATION";
-    transport.status_channel = "VDNA_STATUS";
+    transport.camera_channel = VDNA_CHANNEL_CAMERA;
+    transport.command_channel = VDNA_CHANNEL_COMMAND;
     const Connection connection = connect(transport);
 
     run.transport = connection.get();

@@ -11,6 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 #include <vdna/transport.h>
+#include <vdna_messages.h>
 
 #include <cmocka.h>
 
@@ -24,9 +25,6 @@ static vdna_transport_config memq_config(void)
     config.max_image_bytes = MAX_IMAGE_BYTES;
     config.camera_channel = "CAMERA";
     config.command_channel = "VDNA_COMMAND";
-    config.ranking_channel = "VDNA_RANKING";
-    config.localisation_channel = "VDNA_LOCALISATION";
-    config.status_channel = "VDNA_STATUS";
     return config;
 }
 
@@ -55,7 +53,29 @@ static int close_transport(void **state)
 // Bytes as any program on the network could send them.
 static void send_raw(vdna_transport *transport, const char *channel, const void *data, size_t size)
 {
-    assert_int_equal(lcm_publish(transport->lcm, channel, data, (unsigned)size), 0);
+    assert_int_equal(lcm_publish(transport->network.lcm, channel, data, (unsigned)size), 0);
+}
+
+static vdna_status publish_ranking(vdna_transport *transport, const vdna_msg_ranking_t *message)
+{
+    return vdna_transport_publish(transport, "VDNA_RANKING", &vdna_message_ranking, message);
+}
+
+static vdna_status publish_localisation(vdna_transport *transport,
+                                        const vdna_msg_localisation_t *message)
+{
+    return vdna_transport_publish(transport, "VDNA_LOCALISATION", &vdna_message_localisation,
+                                  message);
+}
+
+static vdna_status publish_status(vdna_transport *transport, const vdna_msg_status_t *message)
+{
+    return vdna_transport_publish(transport, "VDNA_STATUS", &vdna_message_status, message);
+}
+
+static vdna_status publish_command(vdna_transport *transport, const vdna_msg_command_t *message)
+{
+    return vdna_transport_publish(transport, "VDNA_COMMAND", &vdna_message_command, message);
 }
 
 static void send_picture(vdna_transport *transport, int64_t utime, size_t size)
@@ -63,7 +83,8 @@ static void send_picture(vdna_transport *transport, int64_t utime, size_t size)
     uint8_t pixels[MAX_IMAGE_BYTES + 1];
     memset(pixels, (int)utime, sizeof pixels);
     const vdna_image image = {pixels, size, (uint32_t)size, 1, 0, VDNA_PIXEL_GREY};
-    assert_int_equal(vdna_transport_publish_image(transport, utime, &image), VDNA_OK);
+    assert_int_equal(vdna_transport_publish_image(transport, transport->camera, utime, &image),
+                     VDNA_OK);
 }
 
 static vdna_transport_frame poll_frame(vdna_transport *transport)
@@ -97,7 +118,7 @@ static void a_frame_comes_with_all_its_fields(void **state)
     const uint8_t pixels[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
     const vdna_image sent = {pixels, sizeof pixels, 2, 2, 8, VDNA_PIXEL_BGR3};
     const int64_t before_us = monotonic_us();
-    assert_int_equal(vdna_transport_publish_image(*state, 123, &sent), VDNA_OK);
+    assert_int_equal(vdna_transport_publish_image(*state, "CAMERA", 123, &sent), VDNA_OK);
 
     const vdna_transport_frame frame = poll_frame(*state);
     assert_int_equal(frame.utime, 123);
@@ -195,10 +216,10 @@ static void what_was_oversized_is_told_with_the_next_frame(void **state)
 
 static void a_reset_is_an_event_of_its_own(void **state)
 {
-    assert_int_equal(vdna_transport_publish_command(*state, &sample_command), VDNA_OK);
+    assert_int_equal(publish_command(*state, &sample_command), VDNA_OK);
     assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_RESET);
 
-    assert_int_equal(vdna_transport_publish_command(*state, &sample_command), VDNA_OK);
+    assert_int_equal(publish_command(*state, &sample_command), VDNA_OK);
     send_picture(*state, 1, 10);
     assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_RESET | VDNA_TRANSPORT_FRAME);
     assert_int_equal(vdna_transport_count(*state)->commands, 2);
@@ -208,7 +229,7 @@ static void an_unknown_command_is_counted_and_ignored(void **state)
 {
     vdna_msg_command_t command = sample_command;
     command.command = 77;
-    assert_int_equal(vdna_transport_publish_command(*state, &command), VDNA_OK);
+    assert_int_equal(publish_command(*state, &command), VDNA_OK);
     assert_int_equal(poll_events(*state, 0), 0);
     assert_int_equal(vdna_transport_count(*state)->commands, 1);
 }
@@ -313,14 +334,14 @@ static void channel_names_have_1_to_63_bytes(void **state)
     vdna_transport *transport = NULL;
     vdna_error error = {""};
 
-    config.ranking_channel = name;
+    config.command_channel = name;
     assert_int_equal(vdna_transport_open(&config, &error, &transport), VDNA_ERR_ARG);
     assert_non_null(strstr(error.text, "64 bytes"));
-    config.ranking_channel = "";
+    config.command_channel = "";
     assert_int_equal(vdna_transport_open(&config, &error, &transport), VDNA_ERR_ARG);
     assert_null(transport);
 
-    config.camera_channel = config.ranking_channel = name + 1;
+    config.camera_channel = config.command_channel = name + 1;
     transport = open_with(&config);
     send_picture(transport, 5, 10);
     assert_int_equal(poll_frame(transport).utime, 5);
@@ -335,11 +356,16 @@ static void a_channel_that_is_null_is_neither_heard_nor_published_on(void **stat
     config.url = "memq://";
     vdna_transport *t = open_with(&config);
     const vdna_image image = {sample_pixels, 6, 3, 2, 3, VDNA_PIXEL_GREY};
-    assert_int_equal(vdna_transport_publish_ranking(t, &sample_ranking), VDNA_ERR_ARG);
-    assert_int_equal(vdna_transport_publish_localisation(t, &sample_localisation), VDNA_ERR_ARG);
-    assert_int_equal(vdna_transport_publish_status(t, &sample_status), VDNA_ERR_ARG);
-    assert_int_equal(vdna_transport_publish_command(t, &sample_command), VDNA_ERR_ARG);
-    assert_int_equal(vdna_transport_publish_image(t, 1, &image), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_publish(t, NULL, &vdna_message_ranking, &sample_ranking),
+                     VDNA_ERR_ARG);
+    assert_int_equal(
+        vdna_transport_publish(t, NULL, &vdna_message_localisation, &sample_localisation),
+        VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_publish(t, NULL, &vdna_message_status, &sample_status),
+                     VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_publish(t, NULL, &vdna_message_command, &sample_command),
+                     VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_publish_image(t, NULL, 1, &image), VDNA_ERR_ARG);
     send_raw(t, "CAMERA", "", 0);
     assert_int_equal(poll_events(t, 0), 0);
     assert_int_equal(vdna_transport_count(t)->rejected, 0);
@@ -367,10 +393,10 @@ static void a_published_ranking_passes_the_check_and_decodes_to_itself(void **st
 {
     vdna_transport *transport = *state;
     received kept = {.size = 0};
-    lcm_subscribe(transport->lcm, "VDNA_RANKING", keep_bytes, &kept);
-    assert_int_equal(vdna_transport_publish_ranking(transport, &sample_ranking), VDNA_OK);
+    lcm_subscribe(transport->network.lcm, "VDNA_RANKING", keep_bytes, &kept);
+    assert_int_equal(publish_ranking(transport, &sample_ranking), VDNA_OK);
     assert_int_equal(poll_events(transport, 0), 0);
-    assert_int_equal(vdna_transport_check_ranking(kept.bytes, kept.size), VDNA_OK);
+    assert_int_equal(vdna_transport_check(&vdna_message_ranking, kept.bytes, kept.size), VDNA_OK);
 
     vdna_msg_ranking_t ranking;
     assert_int_equal(vdna_msg_ranking_t_decode(kept.bytes, 0, (int)kept.size, &ranking), kept.size);
@@ -394,10 +420,11 @@ static void a_published_localisation_passes_the_check_and_decodes_to_itself(void
 {
     vdna_transport *transport = *state;
     received kept = {.size = 0};
-    lcm_subscribe(transport->lcm, "VDNA_LOCALISATION", keep_bytes, &kept);
-    assert_int_equal(vdna_transport_publish_localisation(transport, &sample_localisation), VDNA_OK);
+    lcm_subscribe(transport->network.lcm, "VDNA_LOCALISATION", keep_bytes, &kept);
+    assert_int_equal(publish_localisation(transport, &sample_localisation), VDNA_OK);
     assert_int_equal(poll_events(transport, 0), 0);
-    assert_int_equal(vdna_transport_check_localisation(kept.bytes, kept.size), VDNA_OK);
+    assert_int_equal(vdna_transport_check(&vdna_message_localisation, kept.bytes, kept.size),
+                     VDNA_OK);
 
     vdna_msg_localisation_t answer;
     assert_int_equal(vdna_msg_localisation_t_decode(kept.bytes, 0, (int)kept.size, &answer),
@@ -422,10 +449,10 @@ static void a_published_status_passes_the_check_and_decodes_to_itself(void **sta
 {
     vdna_transport *transport = *state;
     received kept = {.size = 0};
-    lcm_subscribe(transport->lcm, "VDNA_STATUS", keep_bytes, &kept);
-    assert_int_equal(vdna_transport_publish_status(transport, &sample_status), VDNA_OK);
+    lcm_subscribe(transport->network.lcm, "VDNA_STATUS", keep_bytes, &kept);
+    assert_int_equal(publish_status(transport, &sample_status), VDNA_OK);
     assert_int_equal(poll_events(transport, 0), 0);
-    assert_int_equal(vdna_transport_check_status(kept.bytes, kept.size), VDNA_OK);
+    assert_int_equal(vdna_transport_check(&vdna_message_status, kept.bytes, kept.size), VDNA_OK);
 
     vdna_msg_status_t status;
     assert_int_equal(vdna_msg_status_t_decode(kept.bytes, 0, (int)kept.size, &status), kept.size);
@@ -450,24 +477,24 @@ static void messages_with_missing_parts_are_not_published(void **state)
 {
     vdna_msg_ranking_t ranking = sample_ranking;
     ranking.count = -1;
-    assert_int_equal(vdna_transport_publish_ranking(*state, &ranking), VDNA_ERR_ARG);
+    assert_int_equal(publish_ranking(*state, &ranking), VDNA_ERR_ARG);
     ranking.count = 2;
     ranking.tied = NULL;
-    assert_int_equal(vdna_transport_publish_ranking(*state, &ranking), VDNA_ERR_ARG);
+    assert_int_equal(publish_ranking(*state, &ranking), VDNA_ERR_ARG);
     ranking.tied = sample_tied;
     char *nameless[] = {"autumn", NULL};
     ranking.experience = nameless;
-    assert_int_equal(vdna_transport_publish_ranking(*state, &ranking), VDNA_ERR_ARG);
+    assert_int_equal(publish_ranking(*state, &ranking), VDNA_ERR_ARG);
 
     vdna_msg_localisation_t localisation = sample_localisation;
     localisation.experience = NULL;
-    assert_int_equal(vdna_transport_publish_localisation(*state, &localisation), VDNA_ERR_ARG);
+    assert_int_equal(publish_localisation(*state, &localisation), VDNA_ERR_ARG);
     vdna_msg_status_t status = sample_status;
     status.message = NULL;
-    assert_int_equal(vdna_transport_publish_status(*state, &status), VDNA_ERR_ARG);
+    assert_int_equal(publish_status(*state, &status), VDNA_ERR_ARG);
     vdna_msg_command_t command = sample_command;
     command.argument = NULL;
-    assert_int_equal(vdna_transport_publish_command(*state, &command), VDNA_ERR_ARG);
+    assert_int_equal(publish_command(*state, &command), VDNA_ERR_ARG);
 }
 
 static void pictures_that_do_not_fit_the_message_are_not_published(void **state)
@@ -475,16 +502,16 @@ static void pictures_that_do_not_fit_the_message_are_not_published(void **state)
     const vdna_image good = {sample_pixels, 6, 3, 2, 3, VDNA_PIXEL_GREY};
     vdna_image image = good;
     image.pixelformat = VDNA_PIXEL_ENCODED;
-    assert_int_equal(vdna_transport_publish_image(*state, 1, &image), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_publish_image(*state, "CAMERA", 1, &image), VDNA_ERR_ARG);
     image = good;
     image.width = 1u << 31;
-    assert_int_equal(vdna_transport_publish_image(*state, 1, &image), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_publish_image(*state, "CAMERA", 1, &image), VDNA_ERR_ARG);
     image = good;
     image.size = LCM_MAX_MESSAGE_SIZE;
-    assert_int_equal(vdna_transport_publish_image(*state, 1, &image), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_publish_image(*state, "CAMERA", 1, &image), VDNA_ERR_ARG);
     image = good;
     image.data = NULL;
-    assert_int_equal(vdna_transport_publish_image(*state, 1, &image), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_publish_image(*state, "CAMERA", 1, &image), VDNA_ERR_ARG);
 }
 
 // --- opening ---
@@ -500,9 +527,6 @@ static void the_defaults_are_lcm_s_own_network_and_8_mib(void **state)
     assert_null(config.url);
     assert_null(config.camera_channel);
     assert_null(config.command_channel);
-    assert_null(config.ranking_channel);
-    assert_null(config.localisation_channel);
-    assert_null(config.status_channel);
 }
 
 static void without_a_url_the_environment_decides(void **state)
@@ -587,7 +611,7 @@ static void the_room_for_messages_is_there_from_the_start(void **state)
     vdna_transport *transport = open_with(&config);
     const uint8_t *message = transport->message;
     assert_int_equal(transport->message_size, 1000);
-    assert_int_equal(vdna_transport_publish_ranking(transport, &sample_ranking), VDNA_OK);
+    assert_int_equal(publish_ranking(transport, &sample_ranking), VDNA_OK);
     assert_ptr_equal(transport->message, message);
     vdna_transport_close(transport);
 }
@@ -610,7 +634,7 @@ static void a_log_hands_out_every_frame_and_then_ends(void **state)
     send_raw(writer, "POSE", "not for us", 10);
     send_picture(writer, 1, 10);
     send_picture(writer, 2, 10);
-    assert_int_equal(vdna_transport_publish_command(writer, &sample_command), VDNA_OK);
+    assert_int_equal(publish_command(writer, &sample_command), VDNA_OK);
     send_picture(writer, 3, 10);
     vdna_transport_close(writer);
 

@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <vdna/transport.h>
+#include <vdna_messages.h>
 
 #include <cmocka.h>
 
@@ -42,9 +43,6 @@ static vdna_transport *open_on_memq(void)
     config.url = "memq://";
     config.camera_channel = "CAMERA";
     config.command_channel = "VDNA_COMMAND";
-    config.ranking_channel = "VDNA_RANKING";
-    config.localisation_channel = "VDNA_LOCALISATION";
-    config.status_channel = "VDNA_STATUS";
     vdna_transport *transport = NULL;
     assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_OK);
     return transport;
@@ -55,8 +53,10 @@ static void go_round(vdna_transport *transport, int64_t utime)
 {
     static const uint8_t pixels[1000];
     const vdna_image image = {pixels, sizeof pixels, 100, 10, 0, VDNA_PIXEL_GREY};
-    assert_int_equal(vdna_transport_publish_image(transport, utime, &image), VDNA_OK);
-    assert_int_equal(vdna_transport_publish_command(transport, &sample_command), VDNA_OK);
+    assert_int_equal(vdna_transport_publish_image(transport, "CAMERA", utime, &image), VDNA_OK);
+    assert_int_equal(
+        vdna_transport_publish(transport, "VDNA_COMMAND", &vdna_message_command, &sample_command),
+        VDNA_OK);
 
     vdna_transport_frame frame;
     uint32_t events;
@@ -64,9 +64,15 @@ static void go_round(vdna_transport *transport, int64_t utime)
     assert_int_equal(events, VDNA_TRANSPORT_FRAME | VDNA_TRANSPORT_RESET);
     assert_int_equal(frame.utime, utime);
 
-    assert_int_equal(vdna_transport_publish_ranking(transport, &sample_ranking), VDNA_OK);
-    assert_int_equal(vdna_transport_publish_localisation(transport, &sample_localisation), VDNA_OK);
-    assert_int_equal(vdna_transport_publish_status(transport, &sample_status), VDNA_OK);
+    assert_int_equal(
+        vdna_transport_publish(transport, "VDNA_RANKING", &vdna_message_ranking, &sample_ranking),
+        VDNA_OK);
+    assert_int_equal(vdna_transport_publish(transport, "VDNA_LOCALISATION",
+                                            &vdna_message_localisation, &sample_localisation),
+                     VDNA_OK);
+    assert_int_equal(
+        vdna_transport_publish(transport, "VDNA_STATUS", &vdna_message_status, &sample_status),
+        VDNA_OK);
 }
 
 static void ten_thousand_messages_in_cost_no_allocation_of_ours(void **state)

@@ -1,0 +1,173 @@
+#include "network.h"
+#include <fail.h>
+#include <stdlib.h>
+#include <string.h>
+#include <vdna/listener.h>
+
+#define CHANNELS_MAX 256u
+#define QUEUE_MAX 65536u
+
+/* One channel and the message of it that waits. One is enough: LCM takes one message off the
+ * network at a time, and hands it to each subscription at most once. */
+typedef struct subscription {
+    const vdna_network *network;
+    channel_name name;
+    const vdna_message_type *type;
+    void *decoded;                 /* [type->struct_size] */
+    vdna_listener_message message; /* type NULL = none; data, if there is any, is `decoded` */
+} subscription;
+
+struct vdna_listener {
+    vdna_network network;
+    subscription *handed_out; /* whose message the caller has; NULL = none */
+    uint32_t count;
+    subscription subscriptions[];
+};
+
+/* see vdna/listener.h */
+void vdna_listener_config_init(vdna_listener_config *config)
+{
+    if (!config)
+        return;
+    memset(config, 0, sizeof *config);
+    config->struct_size = sizeof *config;
+    config->queue_length = VDNA_LISTENER_QUEUE;
+}
+
+static vdna_status check_config(const vdna_listener_config *config, vdna_error *error)
+{
+    if (!config || config->struct_size != sizeof *config)
+        return vdna_fail(error, VDNA_ERR_ARG,
+                         "listener: the configuration was not made by "
+                         "vdna_listener_config_init() of this version");
+    if (config->queue_length == 0 || config->queue_length > QUEUE_MAX)
+        return vdna_fail(error, VDNA_ERR_ARG, "listener: queue_length is %u, expected 1..%u",
+                         config->queue_length, QUEUE_MAX);
+    if (config->channel_count > CHANNELS_MAX)
+        return vdna_fail(error, VDNA_ERR_ARG, "listener: channel_count is %u, expected 0..%u",
+                         config->channel_count, CHANNELS_MAX);
+    if (config->channel_count > 0 && !config->channels)
+        return vdna_fail(error, VDNA_ERR_ARG, "listener: channels is NULL, expected %u of them",
+                         config->channel_count);
+    for (uint32_t i = 0; i < config->channel_count; i++) {
+        const vdna_listener_channel *channel = &config->channels[i];
+        const vdna_status status = vdna_transport_check_channel(channel->name, error);
+        if (status != VDNA_OK)
+            return status;
+        if (!channel->type)
+            return vdna_fail(error, VDNA_ERR_ARG,
+                             "listener: channel %s has no type, expected one "
+                             "of vdna_messages.h",
+                             channel->name);
+    }
+    return VDNA_OK;
+}
+
+/* LCM calls this for each message on a channel; the bytes are LCM's and go when it returns. */
+static void on_message(const lcm_recv_buf_t *received, const char *channel, void *context)
+{
+    (void)channel;
+    subscription *s = context;
+    vdna_listener_message message = {
+        .type = s->type,
+        .channel = s->name,
+        .rejected = "a message of another type or version",
+        .size = received->data_size,
+        .received_us = vdna_network_received_us(s->network, received),
+    };
+    if (vdna_transport_check(s->type, received->data, received->data_size) == VDNA_OK &&
+        s->type->decode(received->data, (int32_t)received->data_size, s->decoded) >= 0) {
+        message.data = s->decoded;
+        message.rejected = NULL;
+    }
+    s->message = message;
+}
+
+static void drop_message(subscription *s)
+{
+    if (s->message.data)
+        s->type->cleanup(s->decoded);
+    s->message = (vdna_listener_message){.type = NULL};
+}
+
+static vdna_status subscribe(vdna_listener *listener, const vdna_listener_channel *channel,
+                             uint32_t queue_length, vdna_error *error)
+{
+    subscription *s = &listener->subscriptions[listener->count];
+    memcpy(s->name, channel->name, strlen(channel->name) + 1);
+    s->network = &listener->network;
+    s->type = channel->type;
+    s->decoded = malloc(s->type->struct_size);
+    if (!s->decoded)
+        return vdna_fail(error, VDNA_ERR_NOMEM, "listener: no memory left");
+    listener->count++;
+    return vdna_network_subscribe(s->network, s->name, queue_length, on_message, s, error);
+}
+
+/* see vdna/listener.h */
+vdna_status vdna_listener_open(const vdna_listener_config *config, vdna_error *error,
+                               vdna_listener **out_listener)
+{
+    vdna_status status = check_config(config, error);
+    if (status != VDNA_OK)
+        return status;
+    if (!out_listener)
+        return vdna_fail(error, VDNA_ERR_ARG, "listener: out_listener is NULL");
+
+    vdna_listener *listener =
+        calloc(1, sizeof *listener + config->channel_count * sizeof *listener->subscriptions);
+    if (!listener)
+        return vdna_fail(error, VDNA_ERR_NOMEM, "listener: no memory left");
+
+    status = vdna_network_open(&listener->network, config->url, error);
+    for (uint32_t i = 0; status == VDNA_OK && i < config->channel_count; i++)
+        status = subscribe(listener, &config->channels[i], config->queue_length, error);
+    if (status != VDNA_OK) {
+        vdna_listener_close(listener);
+        return status;
+    }
+    *out_listener = listener;
+    return VDNA_OK;
+}
+
+/* A channel whose message waits, in the order in which LCM handed it out; NULL = none. */
+static subscription *waiting(vdna_listener *listener)
+{
+    for (uint32_t i = 0; i < listener->count; i++)
+        if (listener->subscriptions[i].message.type)
+            return &listener->subscriptions[i];
+    return NULL;
+}
+
+/* see vdna/listener.h */
+vdna_status vdna_listener_poll(vdna_listener *listener, int32_t timeout_ms,
+                               vdna_listener_message *out_message)
+{
+    if (!listener || timeout_ms < 0 || timeout_ms > VDNA_TIMEOUT_MS_MAX || !out_message)
+        return VDNA_ERR_ARG;
+
+    if (listener->handed_out)
+        drop_message(listener->handed_out);
+    listener->handed_out = waiting(listener);
+    if (!listener->handed_out) {
+        if (vdna_network_take_one(&listener->network, timeout_ms) < 0)
+            return VDNA_ERR_IO;
+        listener->handed_out = waiting(listener);
+    }
+    *out_message = listener->handed_out ? listener->handed_out->message
+                                        : (vdna_listener_message){.type = NULL};
+    return VDNA_OK;
+}
+
+/* see vdna/listener.h */
+void vdna_listener_close(vdna_listener *listener)
+{
+    if (!listener)
+        return;
+    vdna_network_close(&listener->network);
+    for (uint32_t i = 0; i < listener->count; i++) {
+        drop_message(&listener->subscriptions[i]);
+        free(listener->subscriptions[i].decoded);
+    }
+    free(listener);
+}

@@ -1,0 +1,37 @@
+/* Private: an LCM network, as the transport and the listener use it. */
+#ifndef VDNA_NETWORK_H
+#define VDNA_NETWORK_H
+
+#include <lcm/lcm.h>
+#include <stdbool.h>
+#include <vdna/transport.h>
+
+typedef struct vdna_network {
+    lcm_t *lcm;  /* NULL = not connected */
+    bool is_log; /* a file:// URL: messages wait until they are read */
+} vdna_network;
+
+/* A literal channel name; empty = not used. */
+typedef char channel_name[VDNA_CHANNEL_BYTES_MAX + 1];
+
+/* Connect. url: as in vdna_transport_config. */
+vdna_status vdna_network_open(vdna_network *out_network, const char *url, vdna_error *error);
+
+/* Disconnect, if connected. */
+void vdna_network_close(vdna_network *network);
+
+/* Have `handler` called for each message of a channel, of which LCM queues `queue_length`. */
+vdna_status vdna_network_subscribe(const vdna_network *network, const char *channel,
+                                   uint32_t queue_length, lcm_msg_handler_t handler, void *context,
+                                   vdna_error *error);
+
+/* Take one message, if one comes in time, and have the handlers of its channel called.
+ * Returns 1 if a message was taken, 0 if none came or a signal did, -1 if the connection is gone.
+ */
+int vdna_network_take_one(const vdna_network *network, int32_t timeout_ms);
+
+/* When a message came off the socket, by CLOCK_MONOTONIC in microseconds; of a log, when it was
+ * read. */
+int64_t vdna_network_received_us(const vdna_network *network, const lcm_recv_buf_t *message);
+
+#endif
