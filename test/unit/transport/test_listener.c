@@ -185,6 +185,16 @@ static void a_channel_name_is_not_a_regular_expression(void **state)
     assert_ended(listener);
 }
 
+static void a_channel_name_need_not_be_ascii(void **state)
+{
+    log_file *log = *state;
+    const vdna_listener_channel channel = {"\xc3\x9c-1", &vdna_message_ranking};
+    send_ranking(log, channel.name);
+    vdna_listener *listener = listen_to(log, &channel, 1);
+    assert_non_null(next(listener).data);
+    assert_ended(listener);
+}
+
 static void a_channel_may_be_listened_to_as_several_types(void **state)
 {
     log_file *log = *state;
@@ -375,6 +385,7 @@ int main(void)
         ON_LOG(every_message_comes_decoded_and_in_order),
         ON_LOG(a_message_that_breaks_its_format_comes_with_the_reason),
         ON_LOG(a_channel_name_is_not_a_regular_expression),
+        ON_LOG(a_channel_name_need_not_be_ascii),
         ON_LOG(a_channel_may_be_listened_to_as_several_types),
         ON_LOG(what_was_not_taken_is_dropped_when_it_closes),
         ON_LOG(a_listener_does_not_need_its_configuration_any_more),
