@@ -65,7 +65,8 @@ uint32_t Daemon::message_size_max() const
 
 size_t Daemon::histogram_size() const
 {
-    const vdna_hist &live = select_.live;
+    vdna_hist_view live;
+    vdna_select_live(select_, &live);
     const size_t numbers_per_neuron = live.bins + 2; // counts, mass, saturated
     return numbers_per_neuron * live.neurons * sizeof(uint32_t);
 }
@@ -102,7 +103,7 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
 
 void Daemon::reset()
 {
-    vdna_select_reset(&select_);
+    vdna_select_reset(select_);
     std::fprintf(stderr, "vdna_selectord: reset by command, warming up again\n");
 }
 
@@ -138,11 +139,11 @@ vdna_msg_localisation_t Daemon::use(vdna_transport *transport, const vdna_transp
 {
     const vdna_select_frame live{frame.utime, seen.taps, seen.tap_count, seen.embedding};
     vdna_select_answer found;
-    const vdna_status status = vdna_select_feed(&select_, &live, &found);
+    const vdna_status status = vdna_select_feed(select_, &live, &found);
     if (status != VDNA_OK)
         return refuse(frame, vdna_status_text(status));
     (found.newly_ranked ? stages_.rank : stages_.select).add(watch.lap_us());
-    window_frames_max_ = std::max(window_frames_max_, select_.live.frames);
+    window_frames_max_ = std::max(window_frames_max_, vdna_select_window_frames(select_));
 
     if (found.restarted)
         std::fprintf(stderr, "vdna_selectord: camera time ran backwards, warming up again\n");
@@ -150,7 +151,7 @@ vdna_msg_localisation_t Daemon::use(vdna_transport *transport, const vdna_transp
         announce_choice(transport);
     if (!found.localised)
         return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_WARMING_UP);
-    return position_in(map_.experiences()[select_.chosen], found.match, frame.utime);
+    return position_in(map_.experiences()[vdna_select_chosen(select_)], found.match, frame.utime);
 }
 
 vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const char *reason)
@@ -162,7 +163,7 @@ vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const 
 
 void Daemon::announce_choice(vdna_transport *transport)
 {
-    const vdna_msg_ranking_t &ranking = ranking_.fill(select_);
+    const vdna_msg_ranking_t &ranking = ranking_.fill(*select_);
     note_unless_sent(vdna_transport_publish_ranking(transport, &ranking), "a ranking");
     std::fprintf(stderr,
                  "vdna_selectord: selected %s of %d after %d frames: distance %.3f bins, margin "
@@ -173,7 +174,7 @@ void Daemon::announce_choice(vdna_transport *transport)
 
 void Daemon::publish_status(vdna_transport *transport)
 {
-    const Health health{select_,
+    const Health health{*select_,
                         *vdna_transport_count(transport),
                         map_.experiences(),
                         backbone_.info(),

@@ -48,7 +48,7 @@ class Daemon
     const Backbone &backbone_;
     std::vector<vdna_select_candidate> candidates_;
     std::vector<int64_t> selector_memory_; // int64_t for its alignment
-    vdna_select select_{};
+    vdna_select *select_ = nullptr;        // in selector_memory_
     RankingReport ranking_;
     ResidentMemory memory_;
     ProblemLog problems_;

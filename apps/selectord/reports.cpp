@@ -44,12 +44,13 @@ uint32_t RankingReport::encoded_size() const
 
 const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select)
 {
-    message_.utime = select.last_utime;
-    message_.window_begin_utime = select.first_utime;
-    message_.window_frames = static_cast<int32_t>(select.live.frames);
-    message_.margin_bins = select.margin_bins;
+    message_.utime = vdna_select_last_utime(&select);
+    message_.window_begin_utime = vdna_select_first_utime(&select);
+    message_.window_frames = static_cast<int32_t>(vdna_select_window_frames(&select));
+    message_.margin_bins = vdna_select_margin_bins(&select);
+    const vdna_rank_entry *const ranking = vdna_select_ranking(&select, nullptr);
     for (size_t i = 0; i < experiences_.size(); i++) {
-        const vdna_rank_entry &entry = select.ranking[i];
+        const vdna_rank_entry &entry = ranking[i];
         names_[i] = borrow(experiences_[entry.candidate].name);
         distances_[i] = entry.distance_bins;
         tied_[i] = static_cast<int8_t>(entry.tied);
@@ -106,12 +107,12 @@ void fill_counters(const Health &health, vdna_msg_status_t &message)
 {
     const vdna_transport_counters &counters = health.transport;
     message.received = static_cast<int64_t>(counters.received);
-    message.processed = static_cast<int64_t>(health.select.accepted);
+    message.processed = static_cast<int64_t>(vdna_select_accepted(&health.select));
     message.refused = static_cast<int64_t>(health.refused);
     message.skipped = static_cast<int64_t>(counters.skipped);
     message.oversized = static_cast<int64_t>(counters.oversized);
     message.rejected = static_cast<int64_t>(counters.rejected);
-    message.restarts = static_cast<int64_t>(health.select.restarts);
+    message.restarts = static_cast<int64_t>(vdna_select_restarts(&health.select));
 }
 
 void fill_stages(const Stages &stages, vdna_msg_status_t &message)
@@ -139,12 +140,13 @@ void fill_memory(const Health &health, vdna_msg_status_t &message)
 
 vdna_msg_status_t status_of(const Health &health, int64_t utime)
 {
-    const bool selected = health.select.state == VDNA_SELECT_SELECTED;
+    const bool selected = vdna_select_state(&health.select) == VDNA_SELECT_SELECTED;
     vdna_msg_status_t message{};
     message.utime = utime;
     message.state = selected ? VDNA_MSG_STATUS_T_SELECTED : VDNA_MSG_STATUS_T_WARMUP;
     message.progress = vdna_select_progress(&health.select);
-    message.experience = borrow(selected ? health.experiences[health.select.chosen].name : "");
+    message.experience =
+        borrow(selected ? health.experiences[vdna_select_chosen(&health.select)].name : "");
     message.experiences = static_cast<int32_t>(health.experiences.size());
     message.backbone = borrow(health.backbone.identity.backbone);
     message.version = borrow(vdna_version());

@@ -120,11 +120,11 @@ class Selector
         const vdna_select_frame frame = {pass.frame().utime, pass.output().taps,
                                          pass.output().tap_count, pass.output().embedding};
         vdna_select_answer answer;
-        require_ok(vdna_select_feed(&select_, &frame, &answer), pass.frame().name);
+        require_ok(vdna_select_feed(select_, &frame, &answer), pass.frame().name);
         return answer.newly_ranked != 0;
     }
 
-    const vdna_select *operator->() const { return &select_; }
+    const vdna_select *get() const { return select_; }
     std::vector<vdna_hist_view> views() const
     {
         std::vector<vdna_hist_view> views;
@@ -136,7 +136,7 @@ class Selector
   private:
     std::vector<vdna_select_candidate> candidates_;
     std::vector<int64_t> mem_;
-    vdna_select select_{};
+    vdna_select *select_ = nullptr; // in mem_
 };
 
 // The first frames of a source against a map, as the daemon would rank them.
@@ -159,21 +159,23 @@ Ranking rank_live(const RankOptions &options)
     while (!complete && pass.next())
         complete = selector.feed(pass);
     if (!complete)
-        throw Error(source + ": ends after " + std::to_string(selector->live.frames) +
+        throw Error(source + ": ends after " +
+                    std::to_string(vdna_select_window_frames(selector.get())) +
                     " frames of the warmup, expected " + options.warmup +
                     (options.warmup.back() == 's' ? " and a frame after it" : " frames") +
                     "; set a shorter --warmup");
     Ranking ranking;
     ranking.query = source;
-    ranking.frames = selector->live.frames;
-    ranking.restarts = selector->restarts;
+    ranking.frames = vdna_select_window_frames(selector.get());
+    ranking.restarts = vdna_select_restarts(selector.get());
     ranking.bad = pass.bad();
-    ranking.entries.assign(selector->ranking, selector->ranking + picked.size());
+    const vdna_rank_entry *const entries = vdna_select_ranking(selector.get(), nullptr);
+    ranking.entries.assign(entries, entries + picked.size());
     for (const size_t i : picked)
         ranking.names.push_back(map.experiences()[i].name);
     if (options.per_tap) {
         vdna_hist_view live;
-        vdna_hist_view_of(&selector->live, &live);
+        vdna_select_live(selector.get(), &live);
         add_taps(ranking, first.identity.taps, live, selector.views());
     }
     return ranking;

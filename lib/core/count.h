@@ -10,6 +10,9 @@
 /* Slots behind the last bin. */
 enum { SLOT_BELOW = 0, SLOT_ABOVE = 1 };
 
+/* Whether a frame that was checked fits: no mass and not the number of frames would wrap. */
+int vdna_fits_frame(const vdna_hist *hist, const vdna_activations *taps, size_t tap_count);
+
 /* Count a frame that was checked and fits.
  * @param out_slots  NULL, or [neurons x samples of all taps], in an order of their own; then
  *                   bins + SLOT_ABOVE must fit */

@@ -46,8 +46,8 @@ vdna_status vdna_hist_init(const vdna_hist_config *config, void *mem, size_t mem
     return VDNA_OK;
 }
 
-/* No count can exceed its neuron's mass, so capping the mass keeps every count from wrapping. */
-static int fits(const vdna_hist *hist, const vdna_activations *taps, size_t tap_count)
+/* see count.h; no count can exceed its neuron's mass, so capping the mass caps every count */
+int vdna_fits_frame(const vdna_hist *hist, const vdna_activations *taps, size_t tap_count)
 {
     size_t first = 0;
     for (size_t t = 0; t < tap_count; t++) {
@@ -67,7 +67,7 @@ vdna_status vdna_hist_add(vdna_hist *hist, const vdna_activations *taps, size_t 
     const vdna_status status = vdna_activations_check(taps, tap_count, hist->neurons);
     if (status != VDNA_OK)
         return status;
-    if (!fits(hist, taps, tap_count))
+    if (!vdna_fits_frame(hist, taps, tap_count))
         return VDNA_ERR_FULL;
 
     vdna_count_frame(hist, taps, tap_count, NULL);

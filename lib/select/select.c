@@ -1,5 +1,18 @@
 #include <string.h>
 #include <vdna/select.h>
+#include <vdna/window.h>
+
+/* At the beginning of the caller's block; then ranking, views, scratch and window. */
+struct vdna_select {
+    vdna_select_config config;
+    vdna_window *window;
+    vdna_hist_view *views;    /* [candidate_count] */
+    vdna_rank_entry *ranking; /* [candidate_count], valid in state SELECTED */
+    void *scratch;
+    double margin_bins;
+    uint64_t accepted, rejected;
+    uint32_t state, chosen;
+};
 
 /* see vdna/select.h */
 void vdna_select_config_init(vdna_select_config *config)
@@ -24,11 +37,30 @@ static int is_config(const vdna_select_config *config)
     return 1;
 }
 
+/* The window: the first frames of the candidates' shape. Which taps they come in is not known yet
+ * and may change; only the sum of the neurons counts. */
+static vdna_window_config window_config_of(const vdna_select_config *config,
+                                           vdna_activations *out_shape)
+{
+    const vdna_hist_view *first = &config->candidates[0].dna;
+    const vdna_activations shape = {NULL, first->neurons, 1, VDNA_LAYOUT_SAMPLES_NEURONS};
+    *out_shape = shape;
+    vdna_window_config window;
+    vdna_window_config_init(&window);
+    window.which = VDNA_WINDOW_FIRST;
+    window.capacity = config->warmup_frames > 0 ? config->warmup_frames : UINT32_MAX;
+    window.length_us = config->warmup_us;
+    window.taps = out_shape;
+    window.tap_count = 1;
+    window.range = first->range;
+    window.bins = first->bins;
+    return window;
+}
+
 /* The parts of the caller's block, in order; each size keeps the next part aligned. */
 typedef struct layout {
-    size_t ranking, views, scratch, hist; /* bytes of each */
-    size_t total;                         /* 0 if the config is invalid */
-    vdna_hist_config live;
+    size_t select, ranking, views, scratch, window; /* bytes of each */
+    size_t total;                                   /* 0 if the config is invalid */
 } layout;
 
 static size_t aligned(size_t size)
@@ -43,18 +75,15 @@ static layout layout_of(const vdna_select_config *config)
     if (!is_config(config))
         return l;
 
-    const vdna_hist_view *first = &config->candidates[0].dna;
-    vdna_hist_config_init(&l.live);
-    l.live.neurons = first->neurons;
-    l.live.bins = first->bins;
-    l.live.range = first->range;
-
+    vdna_activations shape;
+    const vdna_window_config window = window_config_of(config, &shape);
+    l.select = aligned(sizeof(vdna_select));
     l.ranking = aligned(sizeof(vdna_rank_entry) * (size_t)config->candidate_count);
     l.views = aligned(sizeof(vdna_hist_view) * (size_t)config->candidate_count);
-    l.scratch = vdna_emd_scratch_size(first->neurons);
-    l.hist = vdna_hist_mem_size(&l.live);
-    if (l.hist != 0 && l.scratch != 0)
-        l.total = l.ranking + l.views + l.scratch + l.hist;
+    l.scratch = vdna_emd_scratch_size(shape.neurons);
+    l.window = vdna_window_mem_size(&window);
+    if (l.window != 0 && l.scratch != 0)
+        l.total = l.select + l.ranking + l.views + l.scratch + l.window;
     return l;
 }
 
@@ -79,7 +108,7 @@ static vdna_status check_candidates(const vdna_select_config *config)
 
 /* see vdna/select.h */
 vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t mem_size,
-                             vdna_select *out_select)
+                             vdna_select **out_select)
 {
     const layout l = layout_of(config);
     if (l.total == 0 || !mem || !out_select || (uintptr_t)mem % sizeof(int64_t) != 0)
@@ -90,21 +119,23 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
     if (status != VDNA_OK)
         return status;
 
-    unsigned char *block = mem;
+    unsigned char *const ranking = (unsigned char *)mem + l.select;
+    unsigned char *const views = ranking + l.ranking, *const scratch = views + l.views;
+    vdna_activations shape;
+    const vdna_window_config window = window_config_of(config, &shape);
     vdna_select s;
     memset(&s, 0, sizeof s);
-    s.config = *config;
-    s.ranking = (vdna_rank_entry *)(void *)block;
-    s.views = (vdna_hist_view *)(void *)(block + l.ranking);
-    s.scratch = block + l.ranking + l.views;
-    s.scratch_size = l.scratch;
-    status = vdna_hist_init(&l.live, block + l.ranking + l.views + l.scratch, l.hist, &s.live);
+    status = vdna_window_init(&window, scratch + l.scratch, l.window, &s.window);
     if (status != VDNA_OK)
         return status;
-
+    s.config = *config;
+    s.ranking = (vdna_rank_entry *)(void *)ranking;
+    s.views = (vdna_hist_view *)(void *)views;
+    s.scratch = scratch;
     for (uint32_t i = 0; i < config->candidate_count; i++)
         s.views[i] = config->candidates[i].dna;
-    *out_select = s;
+    *out_select = mem;
+    **out_select = s;
     return VDNA_OK;
 }
 
@@ -113,41 +144,26 @@ void vdna_select_reset(vdna_select *select)
 {
     if (!select)
         return;
-    vdna_hist_reset(&select->live);
+    vdna_window_reset(select->window);
     select->state = VDNA_SELECT_WARMUP;
     select->chosen = 0;
     select->margin_bins = 0;
 }
 
-/* Camera time between two stamps, which may be any int64: never negative when later >= earlier. */
-static uint64_t elapsed_us(int64_t earlier, int64_t later)
-{
-    return (uint64_t)later - (uint64_t)earlier;
-}
-
-/* Does a frame of this stamp lie beyond a window that is measured in time? */
-static int ends_window(const vdna_select *select, int64_t utime)
-{
-    return select->config.warmup_us > 0 && select->live.frames > 0 &&
-           elapsed_us(select->first_utime, utime) >= (uint64_t)select->config.warmup_us;
-}
-
 /* Rank the experiences against the window and choose the nearest. */
-static vdna_status choose(vdna_select *select, vdna_select_answer *answer)
+static vdna_status choose(vdna_select *select)
 {
     vdna_hist_view live;
-    vdna_hist_view_of(&select->live, &live);
-    const vdna_status status = vdna_rank(&live, select->views, select->config.candidate_count,
-                                         select->scratch, select->scratch_size, select->ranking);
-    if (status != VDNA_OK) {
-        vdna_select_reset(select);
+    vdna_select_live(select, &live);
+    const uint32_t count = select->config.candidate_count;
+    const vdna_status status = vdna_rank(&live, select->views, count, select->scratch,
+                                         vdna_emd_scratch_size(live.neurons), select->ranking);
+    if (status != VDNA_OK)
         return status;
-    }
     select->state = VDNA_SELECT_SELECTED;
     select->chosen = select->ranking[0].candidate;
-    if (select->config.candidate_count > 1)
+    if (count > 1)
         select->margin_bins = select->ranking[1].distance_bins - select->ranking[0].distance_bins;
-    answer->newly_ranked = 1;
     return VDNA_OK;
 }
 
@@ -162,24 +178,22 @@ static vdna_status localise(const vdna_select *select, const float *embedding,
     return status;
 }
 
-/* Add a frame to the window; the N-th one completes a window that is measured in frames. */
+/* Give a frame to the window, and choose once that is complete. */
 static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame,
                            vdna_select_answer *answer)
 {
-    if (select->live.frames > 0 && frame->utime < select->last_utime) {
-        vdna_select_reset(select);
-        select->restarts++;
-        answer->restarted = 1;
-    }
-    const vdna_status status = vdna_hist_add(&select->live, frame->taps, frame->tap_count);
+    uint32_t events = 0;
+    vdna_status status =
+        vdna_window_add(select->window, frame->utime, frame->taps, frame->tap_count, &events);
+    if (status == VDNA_OK && (events & VDNA_WINDOW_COMPLETE))
+        status = choose(select);
     if (status != VDNA_OK) {
         vdna_select_reset(select);
         return status;
     }
-    if (select->live.frames == 1)
-        select->first_utime = frame->utime;
-    select->last_utime = frame->utime;
-    return select->live.frames == select->config.warmup_frames ? choose(select, answer) : VDNA_OK;
+    answer->restarted = (events & VDNA_WINDOW_RESTARTED) != 0;
+    answer->newly_ranked = (events & VDNA_WINDOW_COMPLETE) != 0;
+    return events & VDNA_WINDOW_ADDED ? VDNA_OK : localise(select, frame->embedding, answer);
 }
 
 /* Everything that can be wrong with a frame, before any of it is used. */
@@ -187,11 +201,11 @@ static vdna_status check_frame(const vdna_select *select, const vdna_select_fram
 {
     if (!frame || !frame->embedding)
         return VDNA_ERR_ARG;
-    const vdna_status status =
-        vdna_activations_check(frame->taps, frame->tap_count, select->live.neurons);
+    const vdna_status status = vdna_activations_check(frame->taps, frame->tap_count,
+                                                      vdna_window_hist(select->window)->neurons);
     if (status != VDNA_OK)
         return status;
-    /* To be finite is asked of the embedding just as of a tap with one sample. */
+    /* Check the embedding for non-finite values by treating it as a one-sample tap. */
     const vdna_activations embedding = {frame->embedding, select->config.dim, 1, 0};
     return vdna_activations_check(&embedding, 1, select->config.dim);
 }
@@ -199,17 +213,11 @@ static vdna_status check_frame(const vdna_select *select, const vdna_select_fram
 static vdna_status take(vdna_select *select, const vdna_select_frame *frame,
                         vdna_select_answer *answer)
 {
-    vdna_status status = check_frame(select, frame);
+    const vdna_status status = check_frame(select, frame);
     if (status != VDNA_OK)
         return status;
-
-    if (select->state == VDNA_SELECT_WARMUP && ends_window(select, frame->utime) &&
-        frame->utime >= select->last_utime)
-        status = choose(select, answer);
-    else if (select->state == VDNA_SELECT_WARMUP)
-        return warm_up(select, frame, answer);
-
-    return status == VDNA_OK ? localise(select, frame->embedding, answer) : status;
+    return select->state == VDNA_SELECT_WARMUP ? warm_up(select, frame, answer)
+                                               : localise(select, frame->embedding, answer);
 }
 
 /* see vdna/select.h */
@@ -232,14 +240,77 @@ vdna_status vdna_select_feed(vdna_select *select, const vdna_select_frame *frame
 }
 
 /* see vdna/select.h */
+uint32_t vdna_select_state(const vdna_select *select)
+{
+    return select ? select->state : VDNA_SELECT_WARMUP;
+}
+
+/* see vdna/select.h */
 double vdna_select_progress(const vdna_select *select)
 {
-    if (!select || select->state == VDNA_SELECT_SELECTED)
-        return select ? 1 : 0;
-    if (select->live.frames == 0)
-        return 0;
-    if (select->config.warmup_frames > 0)
-        return (double)select->live.frames / select->config.warmup_frames;
-    return (double)elapsed_us(select->first_utime, select->last_utime) /
-           (double)select->config.warmup_us;
+    return select ? vdna_window_progress(select->window) : 0;
+}
+
+/* see vdna/select.h */
+uint32_t vdna_select_chosen(const vdna_select *select)
+{
+    return select ? select->chosen : 0;
+}
+
+/* see vdna/select.h */
+double vdna_select_margin_bins(const vdna_select *select)
+{
+    return select ? select->margin_bins : 0;
+}
+
+/* see vdna/select.h */
+const vdna_rank_entry *vdna_select_ranking(const vdna_select *select, uint32_t *out_count)
+{
+    const int selected = vdna_select_state(select) == VDNA_SELECT_SELECTED;
+    if (out_count)
+        *out_count = selected ? select->config.candidate_count : 0;
+    return selected ? select->ranking : NULL;
+}
+
+/* see vdna/select.h */
+void vdna_select_live(const vdna_select *select, vdna_hist_view *out_view)
+{
+    if (select)
+        vdna_hist_view_of(vdna_window_hist(select->window), out_view);
+}
+
+/* see vdna/select.h */
+uint32_t vdna_select_window_frames(const vdna_select *select)
+{
+    return select ? vdna_window_hist(select->window)->frames : 0;
+}
+
+/* see vdna/select.h */
+int64_t vdna_select_first_utime(const vdna_select *select)
+{
+    return select ? vdna_window_first_utime(select->window) : 0;
+}
+
+/* see vdna/select.h */
+int64_t vdna_select_last_utime(const vdna_select *select)
+{
+    return select ? vdna_window_last_utime(select->window) : 0;
+}
+
+/* see vdna/select.h */
+uint64_t vdna_select_accepted(const vdna_select *select)
+{
+    return select ? select->accepted : 0;
+}
+
+/* see vdna/select.h */
+uint64_t vdna_select_rejected(const vdna_select *select)
+{
+    return select ? select->rejected : 0;
+}
+
+/* see vdna/select.h */
+uint64_t vdna_select_restarts(const vdna_select *select)
+{
+    return select ? vdna_window_restarts(select->window) : 0;
 }

@@ -81,22 +81,6 @@ static void print_select(void)
     FIELD(vdna_select_answer, restarted);
     FIELD(vdna_select_answer, localised);
     FIELD(vdna_select_answer, match);
-
-    STRUCT(vdna_select);
-    FIELD(vdna_select, config);
-    FIELD(vdna_select, live);
-    FIELD(vdna_select, views);
-    FIELD(vdna_select, ranking);
-    FIELD(vdna_select, scratch);
-    FIELD(vdna_select, scratch_size);
-    FIELD(vdna_select, first_utime);
-    FIELD(vdna_select, last_utime);
-    FIELD(vdna_select, state);
-    FIELD(vdna_select, chosen);
-    FIELD(vdna_select, margin_bins);
-    FIELD(vdna_select, accepted);
-    FIELD(vdna_select, rejected);
-    FIELD(vdna_select, restarts);
 }
 
 static void print_map(void)

@@ -211,7 +211,7 @@ static void print_selection(const vdna_hist_view *candidates)
     config.dim = DIM;
     config.warmup_frames = FRAMES;
     const size_t size = vdna_select_mem_size(&config);
-    vdna_select select;
+    vdna_select *select;
     OK(vdna_select_init(&config, block(size), size, &select));
 
     random_state = 7;
@@ -221,16 +221,17 @@ static void print_selection(const vdna_hist_view *candidates)
         for (int i = 0; i < DIM; i++)
             query[i] = scaled((int32_t)random_below(2000) - 1000, -6);
         const vdna_select_frame frame = {f * 1000, large, TAPS, query};
-        OK(vdna_select_feed(&select, &frame, &answer));
+        OK(vdna_select_feed(select, &frame, &answer));
         printf("select %" PRIu32 " %" PRIu32, answer.state, answer.newly_ranked);
         if (answer.localised)
             printf(" %" PRIu32 " %016" PRIx64, answer.match.index,
                    bits_of(answer.match.distance_sq));
         printf("\n");
     }
-    printf("chosen %" PRIu32 " %016" PRIx64 "\n", select.chosen, bits_of(select.margin_bins));
-    print_ranking(select.ranking);
-    free(select.ranking);
+    printf("chosen %" PRIu32 " %016" PRIx64 "\n", vdna_select_chosen(select),
+           bits_of(vdna_select_margin_bins(select)));
+    print_ranking(vdna_select_ranking(select, NULL));
+    free(select);
 }
 
 /* Ranges, histograms, distances, ranking, selection. The last candidate is the first again. */
@@ -298,7 +299,7 @@ static void slide(int64_t length_us, uint32_t capacity)
     config.range = range;
     config.bins = 33;
     const size_t size = vdna_window_mem_size(&config);
-    vdna_window window;
+    vdna_window *window;
     OK(vdna_window_init(&config, block(size), size, &window));
 
     random_state = 2;
@@ -306,12 +307,12 @@ static void slide(int64_t length_us, uint32_t capacity)
     for (int f = 0; f < 80; f++) {
         utime += (int64_t)random_below(100) - 10;
         make_frame(small, (uint32_t)f % 7);
-        OK(vdna_window_add(&window, utime, small, TAPS));
-        printf("window %" PRIu32 " %" PRIu64 " %" PRIu64 " ", window.truncated, window.left_early,
-               window.restarts);
-        print_hist("slid", &window.hist);
+        OK(vdna_window_add(window, utime, small, TAPS, NULL));
+        printf("window %" PRIu32 " %" PRIu64 " %" PRIu64 " ", vdna_window_truncated(window),
+               vdna_window_left_early(window), vdna_window_restarts(window));
+        print_hist("slid", vdna_window_hist(window));
     }
-    free(window.utime);
+    free(window);
 }
 
 /* ---- Every bin edge, and the two floats on either side of it ---- */

@@ -191,8 +191,8 @@ static void an_incomplete_config_of_a_selector_is_refused(void **state)
     bad[1].candidates = NULL;
     bad[2].candidate_count = 0;
     bad[3].dim = 0;
-    int64_t block[32];
-    vdna_select select;
+    int64_t block[64];
+    vdna_select *select;
     assert_true(vdna_select_mem_size(&good) > 0);
     for (size_t i = 0; i < 4; i++) {
         assert_int_equal(vdna_select_mem_size(&bad[i]), 0);
@@ -212,8 +212,8 @@ static void a_candidate_that_cannot_be_chosen_is_refused(void **state)
     bad[1].frames = 0;
     bad[2].dna.neurons = 0;
     bad[3].dna.range = constant;
-    int64_t block[32];
-    vdna_select select;
+    int64_t block[64];
+    vdna_select *select;
     for (size_t i = 0; i < 4; i++) {
         const vdna_select_config config = select_config(&bad[i]);
         assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_ERR_ARG);
@@ -226,16 +226,16 @@ static void a_selector_frame_or_answer_that_is_not_there_is_refused(void **state
     const vdna_select_config config = select_config(&candidate);
     const vdna_activations tap = {&embedding, 1, 1, 0};
     const vdna_select_frame frame = {0, &tap, 1, &embedding}, bare = {0, &tap, 1, NULL};
-    int64_t block[32];
-    vdna_select select;
+    int64_t block[64];
+    vdna_select *select;
     vdna_select_answer answer;
     assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_OK);
     assert_int_equal(vdna_select_feed(NULL, &frame, &answer), VDNA_ERR_ARG);
-    assert_int_equal(vdna_select_feed(&select, &frame, NULL), VDNA_ERR_ARG);
-    assert_int_equal(select.accepted + select.rejected, 0);
-    assert_int_equal(vdna_select_feed(&select, NULL, &answer), VDNA_ERR_ARG);
-    assert_int_equal(vdna_select_feed(&select, &bare, &answer), VDNA_ERR_ARG);
-    assert_int_equal(select.rejected, 2);
+    assert_int_equal(vdna_select_feed(select, &frame, NULL), VDNA_ERR_ARG);
+    assert_int_equal(vdna_select_accepted(select) + vdna_select_rejected(select), 0);
+    assert_int_equal(vdna_select_feed(select, NULL, &answer), VDNA_ERR_ARG);
+    assert_int_equal(vdna_select_feed(select, &bare, &answer), VDNA_ERR_ARG);
+    assert_int_equal(vdna_select_rejected(select), 2);
     vdna_select_reset(NULL);
 }
 

@@ -16,7 +16,7 @@ static const vdna_select_candidate candidates[] = {
     {{range, high_counts, &high_mass, 1, BINS}, high_embeddings, 2, 0},
 };
 
-static int64_t block[64];
+static int64_t block[128];
 
 static vdna_select_config by_frames(uint32_t frames)
 {
@@ -36,11 +36,19 @@ static vdna_select_config by_time(int64_t microseconds)
     return config;
 }
 
-static vdna_select selector(vdna_select_config config)
+static vdna_select *selector(vdna_select_config config)
 {
-    vdna_select select;
+    vdna_select *select;
     assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_OK);
     return select;
+}
+
+/* The mass of the live window, to be set to what no test has the time to count to. */
+static uint32_t *live_mass(vdna_select *select)
+{
+    vdna_hist_view live;
+    vdna_select_live(select, &live);
+    return (uint32_t *)live.mass;
 }
 
 static vdna_status try_frame(vdna_select *select, int64_t utime, float activation, float embedding,
@@ -62,33 +70,75 @@ static vdna_select_answer feed(vdna_select *select, int64_t utime, float activat
 static void the_nth_frame_completes_a_warmup_by_frames(void **state)
 {
     (void)state;
-    vdna_select select = selector(by_frames(2));
-    vdna_select_answer answer = feed(&select, 100, 3.5f, 5);
+    vdna_select *select = selector(by_frames(2));
+    vdna_select_answer answer = feed(select, 100, 3.5f, 5);
     assert_int_equal(answer.state, VDNA_SELECT_WARMUP);
     assert_int_equal(answer.newly_ranked, 0);
     assert_int_equal(answer.localised, 0);
 
-    answer = feed(&select, 200, 3.5f, 5);
+    answer = feed(select, 200, 3.5f, 5);
     assert_int_equal(answer.state, VDNA_SELECT_SELECTED);
     assert_int_equal(answer.newly_ranked, 1);
     assert_int_equal(answer.localised, 0);
-    assert_int_equal(select.chosen, 1);
-    assert_int_equal(select.ranking[0].candidate, 1);
-    assert_true(select.ranking[0].distance_bins == 0 && select.ranking[1].distance_bins == 3);
-    assert_true(select.margin_bins == 3);
-    assert_int_equal(select.first_utime, 100);
-    assert_int_equal(select.last_utime, 200);
+    assert_int_equal(vdna_select_chosen(select), 1);
+    assert_int_equal(vdna_select_ranking(select, NULL)[0].candidate, 1);
+    assert_true(vdna_select_ranking(select, NULL)[0].distance_bins == 0 &&
+                vdna_select_ranking(select, NULL)[1].distance_bins == 3);
+    assert_true(vdna_select_margin_bins(select) == 3);
+    assert_int_equal(vdna_select_first_utime(select), 100);
+    assert_int_equal(vdna_select_last_utime(select), 200);
+    vdna_hist_view live;
+    const uint32_t counts[] = {0, 0, 0, 2};
+    vdna_select_live(select, &live);
+    assert_memory_equal(live.counts, counts, sizeof counts);
+}
+
+static void there_is_no_ranking_before_the_choice(void **state)
+{
+    (void)state;
+    vdna_select *select = selector(by_frames(1));
+    uint32_t count = 77;
+    assert_null(vdna_select_ranking(select, &count));
+    assert_int_equal(count, 0);
+    feed(select, 0, 0.5f, 0);
+    assert_non_null(vdna_select_ranking(select, &count));
+    assert_int_equal(count, 2);
+    vdna_select_reset(select);
+    assert_null(vdna_select_ranking(select, NULL));
+    assert_int_equal(vdna_select_first_utime(select), 0);
+    assert_int_equal(vdna_select_last_utime(select), 0);
+}
+
+static void a_selector_that_is_not_there_has_nothing(void **state)
+{
+    (void)state;
+    uint32_t count = 77;
+    vdna_hist_view live = candidates[0].dna;
+    assert_int_equal(vdna_select_state(NULL), VDNA_SELECT_WARMUP);
+    assert_int_equal(vdna_select_chosen(NULL), 0);
+    assert_true(vdna_select_margin_bins(NULL) == 0);
+    assert_null(vdna_select_ranking(NULL, &count));
+    assert_int_equal(count, 0);
+    vdna_select_live(NULL, &live);
+    assert_ptr_equal(live.counts, low_counts);
+    vdna_select_live(selector(by_frames(1)), NULL);
+    assert_int_equal(vdna_select_window_frames(NULL), 0);
+    assert_int_equal(vdna_select_first_utime(NULL), 0);
+    assert_int_equal(vdna_select_last_utime(NULL), 0);
+    assert_int_equal(vdna_select_accepted(NULL), 0);
+    assert_int_equal(vdna_select_rejected(NULL), 0);
+    assert_int_equal(vdna_select_restarts(NULL), 0);
 }
 
 static void later_frames_are_localised_in_the_chosen_experience(void **state)
 {
     (void)state;
-    vdna_select select = selector(by_frames(1));
-    feed(&select, 0, 0.5f, 0);
-    const vdna_select_answer answer = feed(&select, 1, 3.5f, 12);
+    vdna_select *select = selector(by_frames(1));
+    feed(select, 0, 0.5f, 0);
+    const vdna_select_answer answer = feed(select, 1, 3.5f, 12);
     assert_int_equal(answer.newly_ranked, 0);
     assert_int_equal(answer.localised, 1);
-    assert_int_equal(select.chosen, 0);
+    assert_int_equal(vdna_select_chosen(select), 0);
     assert_int_equal(answer.match.index, 1);
     assert_true(answer.match.distance_sq == 4);
 }
@@ -96,59 +146,59 @@ static void later_frames_are_localised_in_the_chosen_experience(void **state)
 static void later_frames_do_not_change_the_choice_nor_the_live_histogram(void **state)
 {
     (void)state;
-    vdna_select select = selector(by_frames(1));
-    feed(&select, 0, 0.5f, 0);
+    vdna_select *select = selector(by_frames(1));
+    feed(select, 0, 0.5f, 0);
     for (int i = 1; i < 20; i++)
-        assert_int_equal(feed(&select, i, 3.5f, 5).newly_ranked, 0);
-    assert_int_equal(select.chosen, 0);
-    assert_int_equal(select.live.frames, 1);
+        assert_int_equal(feed(select, i, 3.5f, 5).newly_ranked, 0);
+    assert_int_equal(vdna_select_chosen(select), 0);
+    assert_int_equal(vdna_select_window_frames(select), 1);
 }
 
 static void a_warmup_by_time_is_the_frames_before_first_plus_t(void **state)
 {
     (void)state;
-    vdna_select select = selector(by_time(1000));
-    assert_int_equal(feed(&select, 5000, 3.5f, 0).state, VDNA_SELECT_WARMUP);
-    assert_int_equal(feed(&select, 5999, 3.5f, 0).state, VDNA_SELECT_WARMUP);
+    vdna_select *select = selector(by_time(1000));
+    assert_int_equal(feed(select, 5000, 3.5f, 0).state, VDNA_SELECT_WARMUP);
+    assert_int_equal(feed(select, 5999, 3.5f, 0).state, VDNA_SELECT_WARMUP);
     /* The frame that ends the window is not in it, but is the first to be localised. */
-    const vdna_select_answer answer = feed(&select, 6000, 0.5f, 6);
+    const vdna_select_answer answer = feed(select, 6000, 0.5f, 6);
     assert_int_equal(answer.state, VDNA_SELECT_SELECTED);
     assert_int_equal(answer.newly_ranked, 1);
     assert_int_equal(answer.localised, 1);
     assert_int_equal(answer.match.index, 1);
-    assert_int_equal(select.live.frames, 2);
-    assert_int_equal(select.chosen, 1);
+    assert_int_equal(vdna_select_window_frames(select), 2);
+    assert_int_equal(vdna_select_chosen(select), 1);
 }
 
 static void camera_time_that_runs_backwards_begins_the_warmup_anew(void **state)
 {
     (void)state;
-    vdna_select select = selector(by_frames(3));
-    feed(&select, 400, 0.5f, 0);
-    feed(&select, 600, 0.5f, 0);
+    vdna_select *select = selector(by_frames(3));
+    feed(select, 400, 0.5f, 0);
+    feed(select, 600, 0.5f, 0);
     /* Behind the newest frame of the window, though not behind its first. */
-    const vdna_select_answer answer = feed(&select, 500, 3.5f, 0);
+    const vdna_select_answer answer = feed(select, 500, 3.5f, 0);
     assert_int_equal(answer.restarted, 1);
     assert_int_equal(answer.state, VDNA_SELECT_WARMUP);
-    assert_int_equal(select.restarts, 1);
-    assert_int_equal(select.first_utime, 500);
-    feed(&select, 500, 3.5f, 0);
-    assert_int_equal(feed(&select, 501, 3.5f, 0).newly_ranked, 1);
-    assert_int_equal(select.chosen, 1);
+    assert_int_equal(vdna_select_restarts(select), 1);
+    assert_int_equal(vdna_select_first_utime(select), 500);
+    feed(select, 500, 3.5f, 0);
+    assert_int_equal(feed(select, 501, 3.5f, 0).newly_ranked, 1);
+    assert_int_equal(vdna_select_chosen(select), 1);
 }
 
 static void a_backward_stamp_does_not_end_a_warmup_by_time(void **state)
 {
     (void)state;
-    vdna_select select = selector(by_time(1000));
-    feed(&select, INT64_MAX, 3.5f, 0);
-    vdna_select_answer answer = feed(&select, INT64_MIN, 3.5f, 0);
+    vdna_select *select = selector(by_time(1000));
+    feed(select, INT64_MAX, 3.5f, 0);
+    vdna_select_answer answer = feed(select, INT64_MIN, 3.5f, 0);
     assert_int_equal(answer.restarted, 1);
     assert_int_equal(answer.state, VDNA_SELECT_WARMUP);
     /* As an unsigned difference the second of these stamps lies far beyond the window. */
     select = selector(by_time(1000));
-    feed(&select, 5000, 3.5f, 0);
-    answer = feed(&select, 4999, 3.5f, 0);
+    feed(select, 5000, 3.5f, 0);
+    answer = feed(select, 4999, 3.5f, 0);
     assert_int_equal(answer.restarted, 1);
     assert_int_equal(answer.state, VDNA_SELECT_WARMUP);
 }
@@ -156,21 +206,21 @@ static void a_backward_stamp_does_not_end_a_warmup_by_time(void **state)
 static void a_refused_frame_changes_nothing_but_a_counter(void **state)
 {
     (void)state;
-    vdna_select select = selector(by_frames(2));
+    vdna_select *select = selector(by_frames(2));
     vdna_select_answer answer = {9, 9, 9, 9, {9, 9, 9}};
     const vdna_select_answer untouched = answer;
-    feed(&select, 0, 0.5f, 0);
-    assert_int_equal(try_frame(&select, 1, NAN, 0, &answer), VDNA_ERR_NONFINITE);
-    assert_int_equal(try_frame(&select, 1, 0.5f, INFINITY, &answer), VDNA_ERR_NONFINITE);
-    assert_int_equal(vdna_select_feed(&select, NULL, &answer), VDNA_ERR_ARG);
+    feed(select, 0, 0.5f, 0);
+    assert_int_equal(try_frame(select, 1, NAN, 0, &answer), VDNA_ERR_NONFINITE);
+    assert_int_equal(try_frame(select, 1, 0.5f, INFINITY, &answer), VDNA_ERR_NONFINITE);
+    assert_int_equal(vdna_select_feed(select, NULL, &answer), VDNA_ERR_ARG);
     assert_memory_equal(&answer, &untouched, sizeof answer);
-    assert_int_equal(select.rejected, 3);
-    assert_int_equal(select.accepted, 1);
-    assert_int_equal(select.live.frames, 1);
+    assert_int_equal(vdna_select_rejected(select), 3);
+    assert_int_equal(vdna_select_accepted(select), 1);
+    assert_int_equal(vdna_select_window_frames(select), 1);
 
-    feed(&select, 2, 0.5f, 0);
-    assert_int_equal(try_frame(&select, 3, 0.5f, NAN, &answer), VDNA_ERR_NONFINITE);
-    assert_int_equal(select.state, VDNA_SELECT_SELECTED);
+    feed(select, 2, 0.5f, 0);
+    assert_int_equal(try_frame(select, 3, 0.5f, NAN, &answer), VDNA_ERR_NONFINITE);
+    assert_int_equal(vdna_select_state(select), VDNA_SELECT_SELECTED);
 }
 
 static void a_window_that_is_too_large_to_rank_begins_anew(void **state)
@@ -185,29 +235,29 @@ static void a_window_that_is_too_large_to_rank_begins_anew(void **state)
     for (size_t i = 0; i < 2; i++) {
         configs[i].candidates = &huge;
         configs[i].candidate_count = 1;
-        vdna_select select;
+        vdna_select *select;
         vdna_select_answer answer;
         assert_int_equal(vdna_select_init(&configs[i], room, sizeof room, &select), VDNA_OK);
-        feed(&select, 0, 3.5f, 0);
-        select.live.mass[0] = UINT32_MAX - 1;
-        assert_int_equal(try_frame(&select, 1000, 3.5f, 0, &answer), VDNA_ERR_OVERFLOW);
-        assert_int_equal(select.state, VDNA_SELECT_WARMUP);
-        assert_int_equal(select.live.frames, 0);
-        assert_int_equal(select.rejected, 1);
+        feed(select, 0, 3.5f, 0);
+        *live_mass(select) = UINT32_MAX - 1;
+        assert_int_equal(try_frame(select, 1000, 3.5f, 0, &answer), VDNA_ERR_OVERFLOW);
+        assert_int_equal(vdna_select_state(select), VDNA_SELECT_WARMUP);
+        assert_int_equal(vdna_select_window_frames(select), 0);
+        assert_int_equal(vdna_select_rejected(select), 1);
     }
 }
 
 static void a_window_whose_counts_are_full_begins_anew(void **state)
 {
     (void)state;
-    vdna_select select = selector(by_frames(2));
+    vdna_select *select = selector(by_frames(2));
     vdna_select_answer answer;
-    feed(&select, 0, 3.5f, 0);
-    select.live.mass[0] = UINT32_MAX;
-    assert_int_equal(try_frame(&select, 1, 3.5f, 0, &answer), VDNA_ERR_FULL);
-    assert_int_equal(select.state, VDNA_SELECT_WARMUP);
-    assert_int_equal(select.live.frames, 0);
-    assert_int_equal(select.live.mass[0], 0);
+    feed(select, 0, 3.5f, 0);
+    *live_mass(select) = UINT32_MAX;
+    assert_int_equal(try_frame(select, 1, 3.5f, 0, &answer), VDNA_ERR_FULL);
+    assert_int_equal(vdna_select_state(select), VDNA_SELECT_WARMUP);
+    assert_int_equal(vdna_select_window_frames(select), 0);
+    assert_int_equal(*live_mass(select), 0);
 }
 
 static void a_frame_is_not_localised_by_embeddings_that_are_no_numbers(void **state)
@@ -219,27 +269,27 @@ static void a_frame_is_not_localised_by_embeddings_that_are_no_numbers(void **st
     vdna_select_config config = by_frames(1);
     config.candidates = &only;
     config.candidate_count = 1;
-    vdna_select select = selector(config);
+    vdna_select *select = selector(config);
     vdna_select_answer answer;
-    feed(&select, 0, 3.5f, 5);
-    assert_int_equal(try_frame(&select, 1, 3.5f, 5, &answer), VDNA_ERR_NONFINITE);
-    assert_int_equal(select.rejected, 1);
-    assert_int_equal(select.state, VDNA_SELECT_SELECTED);
+    feed(select, 0, 3.5f, 5);
+    assert_int_equal(try_frame(select, 1, 3.5f, 5, &answer), VDNA_ERR_NONFINITE);
+    assert_int_equal(vdna_select_rejected(select), 1);
+    assert_int_equal(vdna_select_state(select), VDNA_SELECT_SELECTED);
 }
 
 static void a_reset_warms_up_again_from_nothing(void **state)
 {
     (void)state;
-    vdna_select select = selector(by_frames(1));
-    feed(&select, 0, 0.5f, 0);
-    assert_int_equal(select.chosen, 0);
-    vdna_select_reset(&select);
-    assert_int_equal(select.state, VDNA_SELECT_WARMUP);
-    assert_true(vdna_select_progress(&select) == 0);
+    vdna_select *select = selector(by_frames(1));
+    feed(select, 0, 0.5f, 0);
+    assert_int_equal(vdna_select_chosen(select), 0);
+    vdna_select_reset(select);
+    assert_int_equal(vdna_select_state(select), VDNA_SELECT_WARMUP);
+    assert_true(vdna_select_progress(select) == 0);
     /* Also with an earlier stamp: the old window is forgotten. */
-    assert_int_equal(feed(&select, -5, 3.5f, 0).restarted, 0);
-    assert_int_equal(select.chosen, 1);
-    assert_int_equal(select.accepted, 2);
+    assert_int_equal(feed(select, -5, 3.5f, 0).restarted, 0);
+    assert_int_equal(vdna_select_chosen(select), 1);
+    assert_int_equal(vdna_select_accepted(select), 2);
 }
 
 static void a_single_candidate_is_chosen_with_margin_zero(void **state)
@@ -247,33 +297,33 @@ static void a_single_candidate_is_chosen_with_margin_zero(void **state)
     (void)state;
     vdna_select_config config = by_frames(1);
     config.candidate_count = 1;
-    vdna_select select = selector(config);
-    feed(&select, 0, 3.5f, 0);
-    assert_int_equal(select.chosen, 0);
-    assert_true(select.margin_bins == 0);
+    vdna_select *select = selector(config);
+    feed(select, 0, 3.5f, 0);
+    assert_int_equal(vdna_select_chosen(select), 0);
+    assert_true(vdna_select_margin_bins(select) == 0);
 }
 
 static void progress_runs_from_zero_to_one(void **state)
 {
     (void)state;
-    vdna_select select = selector(by_frames(4));
-    assert_true(vdna_select_progress(&select) == 0);
-    feed(&select, 0, 1, 0);
-    assert_true(vdna_select_progress(&select) == 0.25);
+    vdna_select *select = selector(by_frames(4));
+    assert_true(vdna_select_progress(select) == 0);
+    feed(select, 0, 1, 0);
+    assert_true(vdna_select_progress(select) == 0.25);
     for (int i = 1; i < 4; i++)
-        feed(&select, i, 1, 0);
-    assert_true(vdna_select_progress(&select) == 1);
+        feed(select, i, 1, 0);
+    assert_true(vdna_select_progress(select) == 1);
 
     select = selector(by_time(1000));
-    feed(&select, 100, 1, 0);
-    feed(&select, 600, 1, 0);
-    assert_true(vdna_select_progress(&select) == 0.5);
+    feed(select, 100, 1, 0);
+    feed(select, 600, 1, 0);
+    assert_true(vdna_select_progress(select) == 0.5);
 
     /* Frames of the window are less than T after its first, so that 1 is never passed. */
     select = selector(by_time(INT64_MAX));
-    feed(&select, 0, 1, 0);
-    feed(&select, INT64_MAX - 1, 1, 0);
-    assert_true(vdna_select_progress(&select) == 1);
+    feed(select, 0, 1, 0);
+    feed(select, INT64_MAX - 1, 1, 0);
+    assert_true(vdna_select_progress(select) == 1);
     assert_true(vdna_select_progress(NULL) == 0);
 }
 
@@ -286,7 +336,7 @@ static void candidates_that_do_not_compare_are_refused_at_init(void **state)
     pair[1].dna.range = other_range;
     vdna_select_config config = by_frames(1);
     config.candidates = pair;
-    vdna_select select;
+    vdna_select *select;
     assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_ERR_MISMATCH);
 }
 
@@ -303,10 +353,10 @@ static void candidates_need_not_be_within_the_exact_bound_of_one_another(void **
     pair[0].dna.mass = pair[1].dna.mass = &huge;
     vdna_select_config config = by_frames(1);
     config.candidates = pair;
-    vdna_select select = selector(config);
-    feed(&select, 0, 3.5f, 5);
-    assert_int_equal(select.chosen, 1);
-    assert_true(select.margin_bins == 3);
+    vdna_select *select = selector(config);
+    feed(select, 0, 3.5f, 5);
+    assert_int_equal(vdna_select_chosen(select), 1);
+    assert_true(vdna_select_margin_bins(select) == 3);
 }
 
 static void a_candidate_without_samples_is_refused_at_init(void **state)
@@ -318,7 +368,7 @@ static void a_candidate_without_samples_is_refused_at_init(void **state)
     pair[1].dna.mass = &none;
     vdna_select_config config = by_frames(1);
     config.candidates = pair;
-    vdna_select select;
+    vdna_select *select;
     assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_ERR_EMPTY);
 }
 
@@ -340,7 +390,7 @@ static void the_block_may_not_be_a_byte_too_small_nor_misaligned(void **state)
     (void)state;
     const vdna_select_config config = by_frames(1);
     const size_t size = vdna_select_mem_size(&config);
-    vdna_select select;
+    vdna_select *select;
     assert_true(size > 0 && size <= sizeof block - 1);
     assert_int_equal(vdna_select_init(&config, block, size - 1, &select), VDNA_ERR_NOMEM);
     assert_int_equal(vdna_select_init(&config, (char *)block + 4, size, &select), VDNA_ERR_ARG);
@@ -352,6 +402,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_nth_frame_completes_a_warmup_by_frames),
+        cmocka_unit_test(there_is_no_ranking_before_the_choice),
+        cmocka_unit_test(a_selector_that_is_not_there_has_nothing),
         cmocka_unit_test(later_frames_are_localised_in_the_chosen_experience),
         cmocka_unit_test(later_frames_do_not_change_the_choice_nor_the_live_histogram),
         cmocka_unit_test(a_warmup_by_time_is_the_frames_before_first_plus_t),

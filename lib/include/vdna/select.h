@@ -56,31 +56,15 @@ typedef struct vdna_select_frame {
 /** What a frame led to. */
 typedef struct vdna_select_answer {
     uint32_t state;        /**< VDNA_SELECT_... after this frame */
-    uint32_t newly_ranked; /**< 1 if the warmup was completed by this frame: read `ranking` */
+    uint32_t newly_ranked; /**< 1 if this frame completed the warmup: see
+                                vdna_select_ranking() */
     uint32_t restarted;    /**< 1 if camera time ran backwards, so that the warmup began anew */
     uint32_t localised;    /**< 1 if `match` is valid */
     vdna_knn_match match;  /**< nearest frame of the chosen experience */
 } vdna_select_answer;
 
-/** A selector. Defined here so that it can sit anywhere; read the fields, never write them. */
-typedef struct vdna_select {
-    /** as given to vdna_select_init() */
-    vdna_select_config config;
-    vdna_hist live;           /**< the warmup window's Visual DNA */
-    vdna_hist_view *views;    /**< [candidate_count], private */
-    vdna_rank_entry *ranking; /**< [candidate_count], valid in state SELECTED */
-    void *scratch;            /**< private */
-    size_t scratch_size;      /**< private */
-    int64_t first_utime;      /**< of the window, valid once it holds a frame */
-    int64_t last_utime;       /**< of the newest frame of the window */
-    uint32_t state;           /**< VDNA_SELECT_... */
-    uint32_t chosen;          /**< candidate index, valid in state SELECTED */
-    double margin_bins;       /**< distance of the second choice less that of the first, valid in
-                                   state SELECTED; 0 if there is but one candidate */
-    uint64_t accepted;        /**< frames taken since init */
-    uint64_t rejected;        /**< frames refused since init */
-    uint64_t restarts;        /**< warmups begun anew because camera time ran backwards */
-} vdna_select;
+/** A selector, within the caller's block. */
+typedef struct vdna_select vdna_select;
 
 /** Write the defaults; the caller must set candidates, candidate_count, dim and one warmup.
  *  @param config  NULL is allowed */
@@ -91,21 +75,21 @@ VDNA_API void vdna_select_config_init(vdna_select_config *config);
  *  @return bytes; 0 if the config is invalid */
 VDNA_API size_t vdna_select_mem_size(const vdna_select_config *config);
 
-/** Make a selector in `mem`, which must stay valid while `out_select` is in use.
- *  @param config  copied; its candidates, and what they point to, are borrowed
- *  @param mem  aligned for int64_t, `mem_size` bytes
+/** Make a selector in `mem`.
+ *  @param config  needed for this call only; its candidates, and what they point to, are borrowed
+ *  @param mem  aligned for int64_t, `mem_size` bytes; holds the selector, so it must stay where it
+ *              is as long as that is in use
  *  @param mem_size  at least vdna_select_mem_size()
- *  @param out_select  may be moved, but not copied: its state is in the struct and the block
+ *  @param out_select  the selector, at the beginning of `mem`
  *  @return VDNA_OK; VDNA_ERR_ARG for a bad config or alignment; VDNA_ERR_NOMEM if too small;
  *          VDNA_ERR_MISMATCH or VDNA_ERR_EMPTY if the candidates do not compare with one another */
 VDNA_API vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t mem_size,
-                                      vdna_select *out_select);
+                                      vdna_select **out_select);
 
 /** Take one live frame.
- *  In WARMUP it is counted. By frames, the N-th frame completes the window. By time, the window
- *  is the frames with utime < first + T; the first frame beyond it completes the window and is
- *  localised. In SELECTED it is localised. A stamp earlier than the newest of the window begins
- *  the warmup anew with this frame, because the window would not be one stretch of time.
+ *  In WARMUP it goes to the window, a first one of vdna/window.h. The frame that completes it is
+ *  localised if it is not in it. In SELECTED every frame is localised. A stamp earlier than the
+ *  newest of the window begins the warmup anew with this frame.
  *  @param select      from vdna_select_init()
  *  @param frame       needed for this call only
  *  @param out_answer  says which of its fields are valid
@@ -119,10 +103,67 @@ VDNA_API vdna_status vdna_select_feed(vdna_select *select, const vdna_select_fra
  *  @param select  NULL is allowed */
 VDNA_API void vdna_select_reset(vdna_select *select);
 
-/** How far the warmup is.
+/** Get the state.
+ *  @param select  NULL gives VDNA_SELECT_WARMUP
+ *  @return VDNA_SELECT_... */
+VDNA_API uint32_t vdna_select_state(const vdna_select *select);
+
+/** Tell how far the warmup is.
  *  @param select  NULL gives 0
  *  @return 0 (nothing yet) to 1 (complete, or SELECTED) */
 VDNA_API double vdna_select_progress(const vdna_select *select);
+
+/** Get the choice.
+ *  @param select  NULL gives 0
+ *  @return candidate index in state SELECTED; 0 otherwise */
+VDNA_API uint32_t vdna_select_chosen(const vdna_select *select);
+
+/** Get how much nearer the first choice is than the second.
+ *  @param select  NULL gives 0
+ *  @return bins, >= 0, in state SELECTED; 0 otherwise and if there is but one candidate */
+VDNA_API double vdna_select_margin_bins(const vdna_select *select);
+
+/** Get all candidates in the order of their distance to the window.
+ *  @param select     NULL gives NULL
+ *  @param out_count  entries: the candidates, or 0 with NULL; NULL = not wanted
+ *  @return the nearest first, borrowed until the next call that changes the selector; NULL unless
+ *          in state SELECTED */
+VDNA_API const vdna_rank_entry *vdna_select_ranking(const vdna_select *select, uint32_t *out_count);
+
+/** Look at the live Visual DNA, that of the window; the view follows later changes.
+ *  @param select    borrowed as long as the view is in use
+ *  @param out_view  untouched if an argument is NULL */
+VDNA_API void vdna_select_live(const vdna_select *select, vdna_hist_view *out_view);
+
+/** Count the frames in the window.
+ *  @param select  NULL gives 0
+ *  @return frames */
+VDNA_API uint32_t vdna_select_window_frames(const vdna_select *select);
+
+/** Get the stamp of the oldest frame in the window.
+ *  @param select  NULL gives 0
+ *  @return microseconds; 0 if there is no frame */
+VDNA_API int64_t vdna_select_first_utime(const vdna_select *select);
+
+/** Get the stamp of the newest frame in the window.
+ *  @param select  NULL gives 0
+ *  @return microseconds; 0 if there is no frame */
+VDNA_API int64_t vdna_select_last_utime(const vdna_select *select);
+
+/** Count the frames taken since vdna_select_init().
+ *  @param select  NULL gives 0
+ *  @return frames */
+VDNA_API uint64_t vdna_select_accepted(const vdna_select *select);
+
+/** Count the frames refused since vdna_select_init().
+ *  @param select  NULL gives 0
+ *  @return frames */
+VDNA_API uint64_t vdna_select_rejected(const vdna_select *select);
+
+/** Count the warmups begun anew because camera time ran backwards, since vdna_select_init().
+ *  @param select  NULL gives 0
+ *  @return warmups */
+VDNA_API uint64_t vdna_select_restarts(const vdna_select *select);
 
 #ifdef __cplusplus
 }

@@ -1,12 +1,27 @@
 /** @file vdna/window.h
- *  @brief Sliding windows: the Visual DNA of the last N frames, or of the last T microseconds.
+ *  @brief Windows: the Visual DNA of the first or the last N frames, or of T microseconds of them.
  *
- *  A window keeps the bin of every sample that it holds (two bytes each), so that a frame that
- *  leaves is subtracted exactly: at any time the histogram is, bit for bit, that of the frames in
- *  the window, however many came and went before. Memory and the cost of a frame are fixed.
+ *  Four windows, of which `which` and `length_us` choose one; N is `capacity`, T is `length_us`:
  *
- *  By time the window is the frames with newest - utime < T, and it never holds more than
- *  `capacity` frames. When more come within T, the oldest leave early, and `truncated` says so.
+ *  | window  | holds                                 | when it is full                            |
+ *  |---------|---------------------------------------|--------------------------------------------|
+ *  | first N | the first N frames                    | the N-th completes it                      |
+ *  | first T | the frames with utime < first + T     | the next one completes it, not being in it |
+ *  | last N  | the newest N frames                   | the oldest leaves for each that comes      |
+ *  | last T  | the frames with newest - utime < T    | frames leave as they grow too old          |
+ *
+ *  Stamps. Equal stamps are in order. A stamp earlier than the newest empties the window first and
+ *  counts as a restart, because the window would not be one stretch of time; that holds by frames
+ * as well. A first window that is complete takes no more frames, whatever their stamps.
+ *
+ *  Capacity. No window ever holds more than `capacity` frames. Where more come within T, a last
+ *  window lets the oldest leave early, and `truncated` says so; a first window is complete with the
+ *  last one that has room.
+ *
+ *  Exactness. A last window keeps the bin of every sample that it holds (two bytes each), so that a
+ *  frame that leaves is subtracted exactly: at any time the histogram is, bit for bit, that of the
+ *  frames in the window, however many came and went before. A first window subtracts nothing and
+ *  keeps nothing but the histogram. Memory and the cost of a frame are fixed.
  */
 #ifndef VDNA_WINDOW_H
 #define VDNA_WINDOW_H
@@ -17,80 +32,124 @@
 extern "C" {
 #endif
 
-/** Most bins of a window's histogram: two of the 65536 values that a sample is kept as stand for
- *  "below the range" and "above the range". */
+/** Most bins of a last window's histogram: two of the 65536 values that a sample is kept as stand
+ *  for "below the range" and "above the range". A first window may have VDNA_HIST_BINS_MAX. */
 #define VDNA_WINDOW_BINS_MAX (VDNA_HIST_BINS_MAX - 2u)
+
+/** Which frames make a window. */
+enum {
+    VDNA_WINDOW_LAST = 0, /**< the newest: it slides */
+    VDNA_WINDOW_FIRST = 1 /**< those from the first on, until it is complete */
+};
+
+/** What a frame did to a window; bits. */
+enum {
+    VDNA_WINDOW_ADDED = 1,     /**< the frame is in the window */
+    VDNA_WINDOW_RESTARTED = 2, /**< camera time ran backwards, so the window was emptied first */
+    VDNA_WINDOW_COMPLETE = 4   /**< a first window is complete: with ADDED, by this frame; without,
+                                    this frame lies beyond it */
+};
 
 /** Shape of a window. Fill with vdna_window_config_init(), then set capacity, taps and range. */
 typedef struct vdna_window_config {
     uint32_t struct_size;         /**< bytes of this struct, set by vdna_window_config_init() */
-    uint32_t capacity;            /**< most frames in the window, >= 1 */
-    int64_t length_us;            /**< T, >= 1; 0 = the last `capacity` frames whatever their time
-                                       (default) */
-    const vdna_activations *taps; /**< [tap_count], what each frame looks like: neurons, samples and
-                                       layout; `values` is not looked at. Borrowed as long as the
-                                       window is in use */
+    uint32_t capacity;            /**< most frames in the window, >= 1; UINT32_MAX in a first window
+                                       by time: as many as come */
+    int64_t length_us;            /**< T, >= 1; 0 = by frames, whatever their time (default) */
+    const vdna_activations *taps; /**< [tap_count], what each frame looks like; `values` is not
+                                       looked at. A last window takes frames of this shape (neurons,
+                                       samples and layout of each tap) and borrows it as long as it
+                                       is in use; a first window needs only the sum of the neurons,
+                                       and only in vdna_window_init() */
     size_t tap_count;             /**< >= 1 */
     const float *range;           /**< [neurons of all taps][2], passes vdna_range_check();
                                        borrowed as long as the window is in use */
-    uint32_t bins;                /**< VDNA_HIST_BINS_MIN..VDNA_WINDOW_BINS_MAX */
+    uint32_t bins;                /**< VDNA_HIST_BINS_MIN..VDNA_WINDOW_BINS_MAX, for a first window
+                                       ..VDNA_HIST_BINS_MAX */
+    uint64_t which;               /**< VDNA_WINDOW_LAST (default) or VDNA_WINDOW_FIRST; so wide that
+                                       it leaves no padding, which could not be used later */
 } vdna_window_config;
 
-/** A sliding window. Defined here so that it can sit anywhere; read the fields, never write
- *  them. */
-typedef struct vdna_window {
-    vdna_window_config config; /**< as it was given */
-    vdna_hist hist;            /**< of the frames in the window, `hist.frames` of them; look
-                                    at it with vdna_hist_view_of() */
-    int64_t *utime;            /**< [capacity], private */
-    uint16_t *slots;           /**< [capacity][frame_values], private */
-    size_t frame_values;       /**< activations of one frame, all taps together */
-    uint32_t oldest;           /**< private */
-    uint32_t truncated;  /**< 1 while, for want of capacity, a frame is missing that is younger
-                              than length_us; 0 by frames */
-    int64_t first_utime; /**< of the oldest frame, valid while there is one */
-    int64_t last_utime;  /**< of the newest frame, valid while there is one */
-    int64_t left_utime;  /**< of the last frame that left early, valid while `truncated` */
-    uint64_t left_early; /**< frames that left for want of capacity since init; 0 by frames */
-    uint64_t restarts;   /**< times that the window was emptied because camera time ran
-                              backwards, since init */
-} vdna_window;
+/** A window, within the caller's block. */
+typedef struct vdna_window vdna_window;
 
-/** Write the defaults: 1000 bins, by frames; the caller must set capacity, taps and range.
+/** Write the defaults: 1000 bins, the last frames; the caller must set capacity, taps and range.
  *  @param config  NULL is allowed */
 VDNA_API void vdna_window_config_init(vdna_window_config *config);
 
-/** Bytes that vdna_window_init() needs: 2 for each sample of `capacity` frames, 8 for each frame,
- *  and a histogram.
+/** Bytes that vdna_window_init() needs: a histogram and some 150; for a last window also 2 for each
+ *  sample of `capacity` frames and 8 for each frame.
  *  @param config  its range is not looked at
- *  @return bytes; 0 if a field breaks its rule, or if `capacity` frames could bring a mass past
- *          UINT32_MAX */
+ *  @return bytes; 0 if a field breaks its rule, or if `capacity` frames of a last
+ *          window could bring a mass past UINT32_MAX */
 VDNA_API size_t vdna_window_mem_size(const vdna_window_config *config);
 
-/** Make an empty window in `mem`, which must stay valid while `out_window` is in use.
- *  @param config  copied; its taps and range are borrowed
- *  @param mem  aligned for int64_t, `mem_size` bytes
+/** Make an empty window in `mem`.
+ *  @param config  needed for this call only; what it says of its taps and range holds
+ *  @param mem  aligned for int64_t, `mem_size` bytes; holds the window, so it must stay where it is
+ *              as long as that is in use
  *  @param mem_size  at least vdna_window_mem_size()
- *  @param out_window  may be moved, but not copied: its state is in the struct and the block
+ *  @param out_window  the window, at the beginning of `mem`
  *  @return VDNA_OK; VDNA_ERR_ARG for a bad config or alignment; VDNA_ERR_NOMEM if too small */
 VDNA_API vdna_status vdna_window_init(const vdna_window_config *config, void *mem, size_t mem_size,
-                                      vdna_window *out_window);
+                                      vdna_window **out_window);
 
-/** Add a frame; those that no longer belong to the window leave it. After an error the window is
- *  unchanged.
- *  A stamp earlier than the newest one empties the window first, because it would not be one
- *  stretch of time; equal stamps are in order. That holds by frames as well.
- *  @param window     added to
+/** Give a frame to a window, as the table above says. After an error the window is unchanged.
+ *  @param window     from vdna_window_init()
  *  @param utime      the camera's stamp in microseconds
  *  @param taps       [tap_count], of the shape in the config
- *  @param tap_count  as in the config
- *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_MISMATCH or VDNA_ERR_NONFINITE for a bad frame */
+ *  @param tap_count  >= 1
+ *  @param out_events VDNA_WINDOW_ bits; NULL = not wanted
+ *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_MISMATCH or VDNA_ERR_NONFINITE for a bad frame;
+ *          VDNA_ERR_FULL if a mass of a first window would pass UINT32_MAX */
 VDNA_API vdna_status vdna_window_add(vdna_window *window, int64_t utime,
-                                     const vdna_activations *taps, size_t tap_count);
+                                     const vdna_activations *taps, size_t tap_count,
+                                     uint32_t *out_events);
 
-/** Empty the window. Counters stay.
+/** Empty the window, and let it begin anew. Counters stay.
  *  @param window  NULL is allowed */
 VDNA_API void vdna_window_reset(vdna_window *window);
+
+/** Get the histogram of the frames in the window, `frames` of them; it follows later changes.
+ *  @param window  NULL gives NULL
+ *  @return borrowed as long as the window is in use; never write to it */
+VDNA_API const vdna_hist *vdna_window_hist(const vdna_window *window);
+
+/** Get the stamp of the oldest frame in the window.
+ *  @param window  NULL gives 0
+ *  @return microseconds; 0 if there is no frame */
+VDNA_API int64_t vdna_window_first_utime(const vdna_window *window);
+
+/** Get the stamp of the newest frame in the window.
+ *  @param window  NULL gives 0
+ *  @return microseconds; 0 if there is no frame */
+VDNA_API int64_t vdna_window_last_utime(const vdna_window *window);
+
+/** Get how much of the window there is: of its time, or by frames of its capacity.
+ *  @param window  NULL gives 0
+ *  @return 0 (nothing yet) to 1; a first window that is complete gives 1 */
+VDNA_API double vdna_window_progress(const vdna_window *window);
+
+/** Tell whether, for want of capacity, a frame is missing that is younger than `length_us`.
+ *  @param window  NULL gives 0
+ *  @return 1 if so; 0 otherwise, always by frames and for first windows */
+VDNA_API uint32_t vdna_window_truncated(const vdna_window *window);
+
+/** Get the stamp of the last frame that left early.
+ *  @param window  NULL gives 0
+ *  @return microseconds, while vdna_window_truncated() gives 1; 0 otherwise */
+VDNA_API int64_t vdna_window_left_utime(const vdna_window *window);
+
+/** Count the frames that left for want of capacity since vdna_window_init().
+ *  @param window  NULL gives 0
+ *  @return frames; 0 by frames and for first windows */
+VDNA_API uint64_t vdna_window_left_early(const vdna_window *window);
+
+/** Count how often the window was emptied because camera time ran backwards, since
+ *  vdna_window_init().
+ *  @param window  NULL gives 0
+ *  @return restarts */
+VDNA_API uint64_t vdna_window_restarts(const vdna_window *window);
 
 #ifdef __cplusplus
 }

@@ -28,7 +28,6 @@ STRUCTS = {
     "vdna_select_config": _library.SelectConfig,
     "vdna_select_frame": _library.SelectFrame,
     "vdna_select_answer": _library.SelectAnswer,
-    "vdna_select": _library.Select,
     "vdna_identity": _library.IdentityFields,
     "vdna_experience": _library.ExperienceFile,
 }

@@ -29,6 +29,7 @@ def test_it_warms_up_chooses_and_localises(candidates, unit_range):
     answer = selector.feed(0, [1, 0], BRIGHT)
     assert answer == (False, False, False, None)
     assert selector.progress == 0.5 and selector.live.mass.tolist() == [1, 1, 1]
+    assert (selector.window_frames, selector.window_utime) == (1, (0, 0))
 
     answer = selector.feed(1000, [1, 0], BRIGHT)
     assert answer.selected and answer.newly_ranked
@@ -47,6 +48,7 @@ def test_it_warms_up_chooses_and_localises(candidates, unit_range):
 
     selector.reset()
     assert not selector.selected and selector.ranking is None and selector.progress == 0
+    assert (selector.window_frames, selector.window_utime) == (0, None)
 
 
 def test_a_window_of_time_ends_with_the_first_frame_beyond_it(candidates):

@@ -89,13 +89,13 @@ int main(void)
     config.dim = NEURONS;
     config.warmup_frames = FRAMES / 2;
     const size_t size = vdna_select_mem_size(&config);
-    vdna_select select;
+    vdna_select *select;
     require(vdna_select_init(&config, malloc(size), size, &select));
     for (int f = 0; f < FRAMES; f++) {
         const vdna_activations taps = taps_of(0, f);
         const vdna_select_frame frame = {f, &taps, 1, frames[0][f]};
         vdna_select_answer answer;
-        require(vdna_select_feed(&select, &frame, &answer));
+        require(vdna_select_feed(select, &frame, &answer));
         if (answer.localised)
             printf("frame %d at %u, %a\n", f, answer.match.index, answer.match.distance_sq);
     }

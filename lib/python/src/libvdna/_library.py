@@ -132,25 +132,6 @@ class SelectAnswer(Structure):
     ]
 
 
-class Select(Structure):
-    _fields_ = [
-        ("config", SelectConfig),
-        ("live", Hist),
-        ("views", c_void_p),
-        ("ranking", POINTER(RankPlace)),
-        ("scratch", c_void_p),
-        ("scratch_size", c_size_t),
-        ("first_utime", c_int64),
-        ("last_utime", c_int64),
-        ("state", c_uint32),
-        ("chosen", c_uint32),
-        ("margin_bins", c_double),
-        ("accepted", c_uint64),
-        ("rejected", c_uint64),
-        ("restarts", c_uint64),
-    ]
-
-
 class IdentityFields(Structure):
     _fields_ = [
         ("backbone", c_char * 64),
@@ -195,7 +176,10 @@ def _raise_refusal(status: int, function: Any, arguments: Any) -> None:
 
 
 def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
-    """Give the functions their types: those that may fail, then those that answer directly."""
+    """Give the functions their types: those that may fail, then those that answer directly.
+
+    An object with private state, such as a selector, is an address.
+    """
     path, address, size = c_char_p, c_void_p, c_size_t
     taps = (POINTER(Activations), size)
     may_fail: Dict[str, Tuple[Any, ...]] = {
@@ -218,8 +202,8 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
             POINTER(RankPlace),
         ),
         "vdna_knn": (address, c_uint32, address, c_uint32, c_uint32, address),
-        "vdna_select_init": (POINTER(SelectConfig), address, size, POINTER(Select)),
-        "vdna_select_feed": (POINTER(Select), POINTER(SelectFrame), POINTER(SelectAnswer)),
+        "vdna_select_init": (POINTER(SelectConfig), address, size, POINTER(c_void_p)),
+        "vdna_select_feed": (address, POINTER(SelectFrame), POINTER(SelectAnswer)),
         "vdna_experience_open": (path, POINTER(Error), POINTER(ExperienceFile)),
         "vdna_experience_write": (POINTER(ExperienceFile), path, POINTER(Error)),
         "vdna_experience_compare": (
@@ -246,8 +230,19 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_emd_scratch_size": (size, (c_uint32,)),
         "vdna_select_config_init": (None, (POINTER(SelectConfig),)),
         "vdna_select_mem_size": (size, (POINTER(SelectConfig),)),
-        "vdna_select_reset": (None, (POINTER(Select),)),
-        "vdna_select_progress": (c_double, (POINTER(Select),)),
+        "vdna_select_reset": (None, (address,)),
+        "vdna_select_state": (c_uint32, (address,)),
+        "vdna_select_progress": (c_double, (address,)),
+        "vdna_select_chosen": (c_uint32, (address,)),
+        "vdna_select_margin_bins": (c_double, (address,)),
+        "vdna_select_ranking": (POINTER(RankPlace), (address, POINTER(c_uint32))),
+        "vdna_select_live": (None, (address, POINTER(HistView))),
+        "vdna_select_window_frames": (c_uint32, (address,)),
+        "vdna_select_first_utime": (c_int64, (address,)),
+        "vdna_select_last_utime": (c_int64, (address,)),
+        "vdna_select_accepted": (c_uint64, (address,)),
+        "vdna_select_rejected": (c_uint64, (address,)),
+        "vdna_select_restarts": (c_uint64, (address,)),
         "vdna_experience_close": (None, (POINTER(ExperienceFile),)),
         "vdna_experience_view": (None, (POINTER(ExperienceFile), POINTER(HistView))),
     }

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, List, NamedTuple, Optional, Sequence, SupportsIndex, Union
+from ctypes import c_uint32, c_void_p
+from typing import Any, List, NamedTuple, Optional, Sequence, SupportsIndex, Tuple, Union
 
 from numpy.typing import ArrayLike
 
 from ._arrays import UINT32_MAX, block, floats, integer, shaped
-from ._library import HistView, Select, SelectAnswer, SelectCandidate, SelectConfig, SelectFrame
-from ._library import lib
+from ._library import HistView, SelectAnswer, SelectCandidate, SelectConfig, SelectFrame, lib
 from .activations import Tap, Taps
 from .distance import RankEntry, entries
 from .experience import Experience
@@ -89,13 +89,13 @@ class Selector:
         if (config.warmup_frames > 0) == (config.warmup_us > 0):
             raise ValueError("give either warmup_frames or warmup_us")
         memory = block(lib.vdna_select_mem_size(config))
-        self._select = Select()
+        self._select = c_void_p()  # within `memory`
         lib.vdna_select_init(config, memory.ctypes.data, memory.nbytes, self._select)
 
         # All that the library borrows.
         self._owner: Any = (list(candidates), embeddings, structs, memory)
         pointers = HistView()
-        lib.vdna_hist_view_of(self._select.live, pointers)
+        lib.vdna_select_live(self._select, pointers)
         self._live = HistogramView._over(self._owner, pointers)
 
     def feed(self, utime: SupportsIndex, embedding: ArrayLike, *taps: Tap) -> Answer:
@@ -130,7 +130,7 @@ class Selector:
     @property
     def selected(self) -> bool:
         """Whether an experience is chosen; else the warmup goes on."""
-        return bool(self._select.state == _SELECTED)
+        return bool(lib.vdna_select_state(self._select) == _SELECTED)
 
     @property
     def progress(self) -> float:
@@ -140,20 +140,20 @@ class Selector:
     @property
     def chosen(self) -> Optional[int]:
         """Index of the chosen candidate; None during the warmup."""
-        return int(self._select.chosen) if self.selected else None
+        return int(lib.vdna_select_chosen(self._select)) if self.selected else None
 
     @property
     def ranking(self) -> Optional[List[RankEntry]]:
         """All candidates, nearest first; None during the warmup."""
-        if not self.selected:
-            return None
-        return entries(self._select.ranking[: self._select.config.candidate_count])
+        count = c_uint32()
+        ranking = lib.vdna_select_ranking(self._select, count)
+        return entries(ranking[: count.value]) if ranking else None
 
     @property
     def margin_bins(self) -> Optional[float]:
         """Distance of the second candidate less that of the first, 0 if there is but one; None
         during the warmup."""
-        return float(self._select.margin_bins) if self.selected else None
+        return float(lib.vdna_select_margin_bins(self._select)) if self.selected else None
 
     @property
     def live(self) -> HistogramView:
@@ -161,16 +161,29 @@ class Selector:
         return self._live
 
     @property
+    def window_frames(self) -> int:
+        """Frames in the warmup window so far."""
+        return int(lib.vdna_select_window_frames(self._select))
+
+    @property
+    def window_utime(self) -> Optional[Tuple[int, int]]:
+        """Stamps of the oldest and the newest frame in the warmup window; None if it is empty."""
+        if self.window_frames == 0:
+            return None
+        first = lib.vdna_select_first_utime(self._select)
+        return int(first), int(lib.vdna_select_last_utime(self._select))
+
+    @property
     def accepted(self) -> int:
         """Frames taken since the selector was made."""
-        return int(self._select.accepted)
+        return int(lib.vdna_select_accepted(self._select))
 
     @property
     def rejected(self) -> int:
         """Frames refused since the selector was made."""
-        return int(self._select.rejected)
+        return int(lib.vdna_select_rejected(self._select))
 
     @property
     def restarts(self) -> int:
         """Warmups begun anew because camera time ran backwards."""
-        return int(self._select.restarts)
+        return int(lib.vdna_select_restarts(self._select))
