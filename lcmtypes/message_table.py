@@ -207,7 +207,7 @@ def read_file(fingerprints, line, full_name, path, pin):
     found = [f"{struct.full_name} {fingerprint(struct):016x}" for struct in structs]
     raise Refusal(fingerprints, line, f"{full_name} is pinned as {pin:016x}, {path.name} has "
                   f"{', '.join(found)}; a change is a new version of the interface: if it is "
-                  "meant, pin the new fingerprint and tell it in docs/SPEC-lcm.md")
+                  "meant, pin the new fingerprint and tell it in docs/reference/SPEC-lcm.md")
 
 
 def read(fingerprints):

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fail.h>
+#include <growth.h>
 
 #include <vdna/backbone.h>
 
@@ -45,6 +46,15 @@ using Clock = std::chrono::steady_clock;
 
 constexpr uint32_t threads_default = 2;
 constexpr uint32_t threads_max = 256;
+constexpr size_t oldest_config = sizeof(vdna_backbone_config); // in version 0.1
+
+vdna_backbone_config default_config()
+{
+    vdna_backbone_config config{};
+    config.threads = threads_default;
+    config.max_pixels = VDNA_IMAGE_PIXELS_MAX;
+    return config;
+}
 
 // Run `body`, and make a status and a sentence of whatever it throws: nothing passes the border.
 template <class Body>
@@ -202,29 +212,26 @@ vdna_backbone::vdna_backbone(const Manifest &manifest, const vdna_backbone_confi
 /* see vdna/backbone.h */
 void vdna_backbone_config_init(vdna_backbone_config *config)
 {
-    if (!config)
-        return;
-    *config = {};
-    config->struct_size = sizeof *config;
-    config->threads = threads_default;
-    config->max_pixels = VDNA_IMAGE_PIXELS_MAX;
+    const vdna_backbone_config defaults = default_config();
+    vdna_config_write(config, oldest_config, &defaults, sizeof defaults);
 }
 
 /* see vdna/backbone.h */
 vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *error,
                                vdna_backbone **out_backbone)
 {
-    if (!config || config->struct_size != sizeof *config || !config->manifest ||
-        config->threads < 1 || config->threads > threads_max || config->max_pixels < 1 ||
-        config->max_pixels > VDNA_IMAGE_PIXELS_MAX || !out_backbone)
+    vdna_backbone_config known = default_config();
+    if (!vdna_config_read(config, oldest_config, &known, sizeof known) || !known.manifest ||
+        known.threads < 1 || known.threads > threads_max || known.max_pixels < 1 ||
+        known.max_pixels > VDNA_IMAGE_PIXELS_MAX || !out_backbone)
         return vdna_fail(error, VDNA_ERR_ARG,
                          "vdna_backbone_open: a manifest, 1 to %u threads and pictures of 1 to %u "
                          "pixels are expected",
                          threads_max, VDNA_IMAGE_PIXELS_MAX);
     return guarded(error, [&] {
-        const Manifest manifest = read_manifest(find_manifest(config->manifest));
+        const Manifest manifest = read_manifest(find_manifest(known.manifest));
         require_processor(manifest);
-        *out_backbone = new vdna_backbone(manifest, *config);
+        *out_backbone = new vdna_backbone(manifest, known);
     });
 }
 

@@ -2,8 +2,8 @@
 
     amalgamate.py VERSION FOLDER HEADER_OR_SOURCE...
 
-The headers come in the order in which they need one another, private ones where they are first
-included. Includes of the system stay where they are.
+The headers come in the order in which they need one another, private ones, found in the folders of
+the sources, where they are first included. Includes of the system stay where they are.
 """
 
 import re
@@ -41,12 +41,17 @@ def in_order(headers):
 def with_private_headers(sources):
     """The texts of the sources, and in them those of the private headers, each once."""
     seen = set()
+    folders = {path.parent for path in sources}
+
+    def header(name):
+        (path,) = (folder / name for folder in folders if (folder / name).exists())
+        return path
 
     def text_of(path):
         if path in seen:
             return ""
         seen.add(path)
-        return PRIVATE.sub(lambda include: text_of(path.with_name(include[1])), path.read_text())
+        return PRIVATE.sub(lambda include: text_of(header(include[1])), path.read_text())
 
     return [text_of(path) for path in sources]
 

@@ -1,47 +1,60 @@
 #include <string.h>
 
 #include "count.h"
+#include "growth.h"
+
+/* Bytes of vdna_hist_config in version 0.1. */
+#define OLDEST_HIST_CONFIG sizeof(vdna_hist_config)
+
+static const vdna_hist_config hist_defaults = {0, 0, VDNA_HIST_BINS_DEFAULT, NULL};
 
 /* see vdna/hist.h */
 void vdna_hist_config_init(vdna_hist_config *config)
 {
-    if (!config)
-        return;
-    memset(config, 0, sizeof *config);
-    config->struct_size = sizeof *config;
-    config->bins = VDNA_HIST_BINS_DEFAULT;
+    vdna_config_write(config, OLDEST_HIST_CONFIG, &hist_defaults, sizeof hist_defaults);
+}
+
+/* Read a caller's config. @return bytes of a histogram; 0 if a field breaks its rule */
+static size_t read_hist_config(const vdna_hist_config *given, vdna_hist_config *out_config)
+{
+    *out_config = hist_defaults;
+    if (!vdna_config_read(given, OLDEST_HIST_CONFIG, out_config, sizeof *out_config))
+        return 0;
+    const vdna_hist_config *c = out_config;
+    if (c->neurons == 0 || c->bins < VDNA_HIST_BINS_MIN || c->bins > VDNA_HIST_BINS_MAX)
+        return 0;
+    /* Rows of counts, then one row each of mass and saturation. */
+    const uint64_t size = (uint64_t)c->neurons * (c->bins + 2u) * sizeof(uint32_t);
+    return size <= SIZE_MAX / 2 ? (size_t)size : 0;
 }
 
 /* see vdna/hist.h */
 size_t vdna_hist_mem_size(const vdna_hist_config *config)
 {
-    if (!config || config->struct_size != sizeof *config || config->neurons == 0 ||
-        config->bins < VDNA_HIST_BINS_MIN || config->bins > VDNA_HIST_BINS_MAX)
-        return 0;
-    /* Rows of counts, then one row each of mass and saturation. */
-    const uint64_t size = (uint64_t)config->neurons * (config->bins + 2u) * sizeof(uint32_t);
-    return size <= SIZE_MAX / 2 ? (size_t)size : 0;
+    vdna_hist_config known;
+    return read_hist_config(config, &known);
 }
 
 /* see vdna/hist.h */
 vdna_status vdna_hist_init(const vdna_hist_config *config, void *mem, size_t mem_size,
                            vdna_hist *out_hist)
 {
-    const size_t needed = vdna_hist_mem_size(config);
+    vdna_hist_config known;
+    const size_t needed = read_hist_config(config, &known);
     if (needed == 0 || !mem || !out_hist || (uintptr_t)mem % sizeof(uint32_t) != 0)
         return VDNA_ERR_ARG;
-    if (vdna_range_check(config->range, config->neurons) != VDNA_OK)
+    if (vdna_range_check(known.range, known.neurons) != VDNA_OK)
         return VDNA_ERR_ARG;
     if (mem_size < needed)
         return VDNA_ERR_NOMEM;
 
-    const size_t neurons = config->neurons;
-    out_hist->range = config->range;
+    const size_t neurons = known.neurons;
+    out_hist->range = known.range;
     out_hist->counts = mem;
-    out_hist->mass = out_hist->counts + neurons * config->bins;
+    out_hist->mass = out_hist->counts + neurons * known.bins;
     out_hist->saturated = out_hist->mass + neurons;
-    out_hist->neurons = config->neurons;
-    out_hist->bins = config->bins;
+    out_hist->neurons = known.neurons;
+    out_hist->bins = known.bins;
     vdna_hist_reset(out_hist);
     return VDNA_OK;
 }

@@ -2,7 +2,15 @@
 #include <vdna/window.h>
 
 #include "count.h"
+#include "growth.h"
 #include "shape.h"
+
+/* Bytes of vdna_window_config in version 0.1. */
+#define OLDEST_WINDOW_CONFIG offsetof(vdna_window_config, which)
+
+static const vdna_window_config window_defaults = {
+    0, 0, 0, NULL, 0, NULL, VDNA_HIST_BINS_DEFAULT, VDNA_WINDOW_LAST,
+};
 
 /* At the beginning of the caller's block; then, for a last window, the stamps; the histogram; and
  * for a last window the slots. */
@@ -26,14 +34,16 @@ struct vdna_window {
     uint8_t is_truncated;
 };
 
-/* see vdna/window.h */
-void vdna_window_config_init(vdna_window_config *config)
+/* see vdna/window.h; in parentheses, because the header has a macro of this name */
+void(vdna_window_config_init)(vdna_window_config *config)
 {
-    if (!config)
-        return;
-    memset(config, 0, sizeof *config);
-    config->struct_size = sizeof *config;
-    config->bins = VDNA_HIST_BINS_DEFAULT;
+    vdna_config_write(config, OLDEST_WINDOW_CONFIG, &window_defaults, sizeof window_defaults);
+}
+
+/* see vdna/window.h */
+void vdna_window_config_init_sized(vdna_window_config *config, size_t struct_size)
+{
+    vdna_config_write(config, struct_size, &window_defaults, sizeof window_defaults);
 }
 
 /* The parts of the caller's block, widest elements first. */
@@ -42,6 +52,7 @@ typedef struct window_parts {
     size_t frame_values; /* activations of one frame; 0 for a first window */
     size_t total;        /* 0 if the config is invalid */
     vdna_hist_config hist_config;
+    vdna_window_config config; /* complete */
 } window_parts;
 
 /* Activations of one frame, or 0 if `capacity` frames could bring a mass past UINT32_MAX. */
@@ -56,10 +67,9 @@ static uint64_t frame_values_of(const vdna_window_config *config)
     return values;
 }
 
-static int is_config(const vdna_window_config *config)
+static int is_window_config(const vdna_window_config *config)
 {
-    return config && config->struct_size == sizeof *config && config->capacity > 0 &&
-           config->length_us >= 0 && config->which <= VDNA_WINDOW_FIRST &&
+    return config->capacity > 0 && config->length_us >= 0 && config->which <= VDNA_WINDOW_FIRST &&
            (config->which == VDNA_WINDOW_FIRST || config->bins <= VDNA_WINDOW_BINS_MAX);
 }
 
@@ -72,11 +82,14 @@ static int size_frames(const vdna_window_config *config, uint64_t *out_utime, ui
     return *out_values > 0 && *out_values * config->capacity <= SIZE_MAX / 8;
 }
 
-static window_parts parts_of(const vdna_window_config *config)
+static window_parts parts_of(const vdna_window_config *given)
 {
     window_parts p;
     memset(&p, 0, sizeof p);
-    if (!is_config(config))
+    p.config = window_defaults;
+    const vdna_window_config *config = &p.config;
+    if (!vdna_config_read(given, OLDEST_WINDOW_CONFIG, &p.config, sizeof p.config) ||
+        !is_window_config(config))
         return p;
     vdna_hist_config_init(&p.hist_config);
     p.hist_config.bins = config->bins;
@@ -122,12 +135,12 @@ vdna_status vdna_window_init(const vdna_window_config *config, void *mem, size_t
     const vdna_status status = vdna_hist_init(&p.hist_config, utime + p.utime, p.hist, &w.hist);
     if (status != VDNA_OK)
         return status;
-    w.length_us = config->length_us;
-    w.capacity = config->capacity;
-    w.is_first = config->which == VDNA_WINDOW_FIRST;
+    w.length_us = p.config.length_us;
+    w.capacity = p.config.capacity;
+    w.is_first = p.config.which == VDNA_WINDOW_FIRST;
     if (!w.is_first) {
-        w.taps = config->taps;
-        w.tap_count = config->tap_count;
+        w.taps = p.config.taps;
+        w.tap_count = p.config.tap_count;
         w.utime = (int64_t *)(void *)utime;
         w.slots = (uint16_t *)(void *)(utime + p.utime + p.hist);
         w.frame_values = p.frame_values;
@@ -162,8 +175,8 @@ static int is_of_shape(const vdna_window *window, const vdna_activations *taps, 
     return 1;
 }
 
-static vdna_status check_frame(const vdna_window *window, const vdna_activations *taps,
-                               size_t tap_count)
+static vdna_status check_frame_shape(const vdna_window *window, const vdna_activations *taps,
+                                     size_t tap_count)
 {
     const vdna_status status = vdna_activations_check(taps, tap_count, window->hist.neurons);
     if (status == VDNA_OK && !window->is_first && !is_of_shape(window, taps, tap_count))
@@ -262,7 +275,7 @@ vdna_status vdna_window_add(vdna_window *window, int64_t utime, const vdna_activ
 {
     if (!window)
         return VDNA_ERR_ARG;
-    const vdna_status status = check_frame(window, taps, tap_count);
+    const vdna_status status = check_frame_shape(window, taps, tap_count);
     if (status != VDNA_OK)
         return status;
     uint32_t events = events_of(window, utime);

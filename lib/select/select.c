@@ -2,6 +2,13 @@
 #include <vdna/select.h>
 #include <vdna/window.h>
 
+#include "growth.h"
+
+/* Bytes of vdna_select_config in version 0.1. */
+#define OLDEST_SELECT_CONFIG sizeof(vdna_select_config)
+
+static const vdna_select_config select_defaults = {0, 0, NULL, 0, 0, 0};
+
 /* At the beginning of the caller's block; then ranking, views, scratch and window. */
 struct vdna_select {
     vdna_select_config config;
@@ -17,16 +24,12 @@ struct vdna_select {
 /* see vdna/select.h */
 void vdna_select_config_init(vdna_select_config *config)
 {
-    if (!config)
-        return;
-    memset(config, 0, sizeof *config);
-    config->struct_size = sizeof *config;
+    vdna_config_write(config, OLDEST_SELECT_CONFIG, &select_defaults, sizeof select_defaults);
 }
 
 static int is_config(const vdna_select_config *config)
 {
-    if (!config || config->struct_size != sizeof *config || !config->candidates ||
-        config->candidate_count == 0 || config->dim == 0)
+    if (!config->candidates || config->candidate_count == 0 || config->dim == 0)
         return 0;
     const int by_frames = config->warmup_frames > 0, by_time = config->warmup_us > 0;
     if (by_frames == by_time || config->warmup_us < 0)
@@ -61,6 +64,7 @@ static vdna_window_config window_config_of(const vdna_select_config *config,
 typedef struct layout {
     size_t select, ranking, views, scratch, window; /* bytes of each */
     size_t total;                                   /* 0 if the config is invalid */
+    vdna_select_config config;                      /* complete */
 } layout;
 
 static size_t aligned(size_t size)
@@ -68,11 +72,14 @@ static size_t aligned(size_t size)
     return (size + sizeof(int64_t) - 1) / sizeof(int64_t) * sizeof(int64_t);
 }
 
-static layout layout_of(const vdna_select_config *config)
+static layout layout_of(const vdna_select_config *given)
 {
     layout l;
     memset(&l, 0, sizeof l);
-    if (!is_config(config))
+    l.config = select_defaults;
+    const vdna_select_config *config = &l.config;
+    if (!vdna_config_read(given, OLDEST_SELECT_CONFIG, &l.config, sizeof l.config) ||
+        !is_config(config))
         return l;
 
     vdna_activations shape;
@@ -115,25 +122,25 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
         return VDNA_ERR_ARG;
     if (mem_size < l.total)
         return VDNA_ERR_NOMEM;
-    vdna_status status = check_candidates(config);
+    vdna_status status = check_candidates(&l.config);
     if (status != VDNA_OK)
         return status;
 
     unsigned char *const ranking = (unsigned char *)mem + l.select;
     unsigned char *const views = ranking + l.ranking, *const scratch = views + l.views;
     vdna_activations shape;
-    const vdna_window_config window = window_config_of(config, &shape);
+    const vdna_window_config window = window_config_of(&l.config, &shape);
     vdna_select s;
     memset(&s, 0, sizeof s);
     status = vdna_window_init(&window, scratch + l.scratch, l.window, &s.window);
     if (status != VDNA_OK)
         return status;
-    s.config = *config;
+    s.config = l.config;
     s.ranking = (vdna_rank_entry *)(void *)ranking;
     s.views = (vdna_hist_view *)(void *)views;
     s.scratch = scratch;
-    for (uint32_t i = 0; i < config->candidate_count; i++)
-        s.views[i] = config->candidates[i].dna;
+    for (uint32_t i = 0; i < s.config.candidate_count; i++)
+        s.views[i] = s.config.candidates[i].dna;
     *out_select = mem;
     **out_select = s;
     return VDNA_OK;

@@ -1,26 +1,31 @@
 #include "connection.h"
 #include <fail.h>
+#include <growth.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define DEFAULT_MAX_IMAGE_BYTES (8u << 20)
 
+/* Bytes of vdna_transport_config in version 0.1: the channels to publish on left it before then. */
+#define OLDEST_CONFIG sizeof(vdna_transport_config)
+
+static const vdna_transport_config defaults = {.max_image_bytes = DEFAULT_MAX_IMAGE_BYTES};
+
 /* see vdna/transport.h */
 void vdna_transport_config_init(vdna_transport_config *config)
 {
-    if (!config)
-        return;
-    memset(config, 0, sizeof *config);
-    config->struct_size = sizeof *config;
-    config->max_image_bytes = DEFAULT_MAX_IMAGE_BYTES;
+    vdna_config_write(config, OLDEST_CONFIG, &defaults, sizeof defaults);
 }
 
-static vdna_status check_config(const vdna_transport_config *config, vdna_error *error)
+/* Read a caller's config, and check it. */
+static vdna_status read_config(const vdna_transport_config *given, vdna_error *error,
+                               vdna_transport_config *config)
 {
-    if (!config || config->struct_size != sizeof *config)
+    *config = defaults;
+    if (!vdna_config_read(given, OLDEST_CONFIG, config, sizeof *config))
         return vdna_fail(error, VDNA_ERR_ARG,
                          "transport: the configuration was not made by "
-                         "vdna_transport_config_init() of this version");
+                         "vdna_transport_config_init() of this version or one since 0.1");
     if (config->max_image_bytes == 0 || config->max_image_bytes > VDNA_MESSAGE_BYTES_MAX)
         return vdna_fail(error, VDNA_ERR_ARG,
                          "transport: max_image_bytes is %u, expected 1..%u, LCM's largest message",
@@ -79,18 +84,19 @@ static vdna_status reserve_message(vdna_transport *transport, size_t size, vdna_
 vdna_status vdna_transport_memory_of(const vdna_transport_config *config,
                                      vdna_transport_memory *out_memory)
 {
-    const vdna_status status = check_config(config, NULL);
+    vdna_transport_config known;
+    const vdna_status status = read_config(config, NULL, &known);
     if (status != VDNA_OK || !out_memory)
         return VDNA_ERR_ARG;
 
-    const uint64_t image = config->camera_channel ? config->max_image_bytes : 0;
-    const uint64_t message = config->max_image_bytes + IMAGE_MESSAGE_OVERHEAD;
-    const uint64_t pictures = config->camera_channel ? VDNA_TRANSPORT_QUEUE + 1 : 0;
-    const uint64_t commands = config->command_channel ? VDNA_TRANSPORT_QUEUE + 1 : 0;
+    const uint64_t image = known.camera_channel ? known.max_image_bytes : 0;
+    const uint64_t message = known.max_image_bytes + IMAGE_MESSAGE_OVERHEAD;
+    const uint64_t pictures = known.camera_channel ? VDNA_TRANSPORT_QUEUE + 1 : 0;
+    const uint64_t commands = known.command_channel ? VDNA_TRANSPORT_QUEUE + 1 : 0;
     /* Each datagram passes through a ring that grows by half when it is full, and the rings before
      * it stay until they are empty: at most three times what is in them. */
     const uint64_t rings = 3 * (pictures + commands + 1) * LCM_DATAGRAM_MAX;
-    out_memory->own_bytes = sizeof(vdna_transport) + image + config->max_message_bytes;
+    out_memory->own_bytes = sizeof(vdna_transport) + image + known.max_message_bytes;
     out_memory->lcm_bytes = pictures * message + LCM_FRAGMENTS_MAX + message + rings + LCM_ITSELF;
     return VDNA_OK;
 }
@@ -99,7 +105,8 @@ vdna_status vdna_transport_memory_of(const vdna_transport_config *config,
 vdna_status vdna_transport_open(const vdna_transport_config *config, vdna_error *error,
                                 vdna_transport **out_transport)
 {
-    vdna_status status = check_config(config, error);
+    vdna_transport_config known;
+    vdna_status status = read_config(config, error, &known);
     if (status != VDNA_OK)
         return status;
     if (!out_transport)
@@ -109,15 +116,15 @@ vdna_status vdna_transport_open(const vdna_transport_config *config, vdna_error 
     if (!transport)
         return vdna_fail(error, VDNA_ERR_NOMEM, "transport: no memory left");
 
-    status = keep_channel(transport->camera, config->camera_channel, error);
+    status = keep_channel(transport->camera, known.camera_channel, error);
     if (status == VDNA_OK)
-        status = keep_channel(transport->command, config->command_channel, error);
+        status = keep_channel(transport->command, known.command_channel, error);
     if (status == VDNA_OK)
-        status = reserve_picture(transport, config->max_image_bytes, error);
+        status = reserve_picture(transport, known.max_image_bytes, error);
     if (status == VDNA_OK)
-        status = reserve_message(transport, config->max_message_bytes, error);
+        status = reserve_message(transport, known.max_message_bytes, error);
     if (status == VDNA_OK)
-        status = vdna_network_open(&transport->network, config->url, error);
+        status = vdna_network_open(&transport->network, known.url, error);
     if (status == VDNA_OK)
         status = vdna_transport_subscribe(transport, error);
     if (status != VDNA_OK) {

@@ -6,7 +6,7 @@
  *  backbone and a file of ranges each carry an identity; comparing is the same for all of them.
  *
  *  A field that is not known yet (dim, bins, range) is not compared: a backbone, for instance,
- * knows neither bins nor ranges.
+ *  knows neither bins nor ranges.
  */
 #ifndef VDNA_IDENTITY_H
 #define VDNA_IDENTITY_H

@@ -20,8 +20,13 @@
  *  Units. Distances of histograms are in bins, angles do not occur, times are int64_t
  *  microseconds (`utime` where it is a camera's stamp), lengths in metres, sizes in bytes.
  *
- *  Layout. Config structs start with `struct_size`, which `_config_init()` fills; only
+ *  Layout. Config structs start with `struct_size`, which `_config_init()` fills. They grow at the
+ *  end: one from a caller that was compiled with an older header, down to that of version 0.1, is
+ *  accepted, and what it lacks has its default; a larger or a smaller one is refused. Only
  *  fixed-width integers, float, double, size_t and pointers cross the border.
+ *
+ *  Privacy. What a struct shows is documented and may be read; objects with private state (select,
+ *  window, a network, a connection) are pointers with accessors.
  */
 #ifndef VDNA_VDNA_H
 #define VDNA_VDNA_H

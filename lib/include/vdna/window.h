@@ -12,7 +12,7 @@
  *
  *  Stamps. Equal stamps are in order. A stamp earlier than the newest empties the window first and
  *  counts as a restart, because the window would not be one stretch of time; that holds by frames
- * as well. A first window that is complete takes no more frames, whatever their stamps.
+ *  as well. A first window that is complete takes no more frames, whatever their stamps.
  *
  *  Capacity. No window ever holds more than `capacity` frames. Where more come within T, a last
  *  window lets the oldest leave early, and `truncated` says so; a first window is complete with the
@@ -74,8 +74,22 @@ typedef struct vdna_window_config {
 typedef struct vdna_window vdna_window;
 
 /** Write the defaults: 1000 bins, the last frames; the caller must set capacity, taps and range.
+ *
+ *  In C and C++ a macro of this name calls vdna_window_config_init_sized(). The function itself is
+ *  for programs and languages that know no more than the struct of version 0.1, which ended with
+ *  `bins`: it writes that much, and `struct_size` says so.
  *  @param config  NULL is allowed */
 VDNA_API void vdna_window_config_init(vdna_window_config *config);
+
+/** Write the defaults, as vdna_window_config_init() does, of the fields that the caller knows.
+ *  @param config       NULL is allowed
+ *  @param struct_size  bytes of the struct that the caller was compiled with */
+VDNA_API void vdna_window_config_init_sized(vdna_window_config *config, size_t struct_size);
+
+/** Write the defaults of all fields that this header has.
+ *  @param config  NULL is allowed */
+#define vdna_window_config_init(config) \
+    vdna_window_config_init_sized((config), sizeof(vdna_window_config))
 
 /** Bytes that vdna_window_init() needs: a histogram and some 150; for a last window also 2 for each
  *  sample of `capacity` frames and 8 for each frame.

@@ -304,7 +304,7 @@ def output_of(build, folder):
                *sorted(ROOT.glob("lib/select/*.c")), *sorted(ROOT.glob("lib/map/crc32c*.c"))]
     program = os.path.join(folder, name)
     subprocess.run([build.compiler, *FLAGS, *build.flags, f"-I{ROOT}/lib/include",
-                    f"-I{ROOT}/lib/map", "-o", program, *map(str, sources)], check=True)
+                    f"-I{ROOT}/lib/core", f"-I{ROOT}/lib/map", "-o", program, *map(str, sources)], check=True)
     run = ([build.emulator] if build.emulator else []) + [program]
     return [subprocess.run(run + [threads], check=True, stdout=subprocess.PIPE,
                            text=True).stdout.splitlines() for threads in ("1", "2")]

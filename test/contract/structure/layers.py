@@ -37,7 +37,8 @@ ROOMS = {
 
 # The public headers of rooms whose name they do not bear.
 CORE_HEADERS = "activation emd hist image knn range rank status version window"
-HEADERS = {**{name: "lib/core" for name in CORE_HEADERS.split()}}
+HEADERS = {**{name: "lib/core" for name in CORE_HEADERS.split()},
+           "listener": "lib/transport", "message": "lib/transport"}
 UMBRELLA = "vdna"
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)

@@ -52,7 +52,7 @@ class Machine:
                 # C throws no exceptions that would need tables.
                 "-fno-asynchronous-unwind-tables",
                 "-nostdinc", "-isystem", headers, "-I", HERE / "include",
-                "-I", ROOT / "lib" / "include",
+                "-I", ROOT / "lib" / "include", "-I", ROOT / "lib" / "core",
                 "-c", source, "-o", Path(folder, source.stem + ".o"),
             )  # fmt: skip
         return [Path(folder, source.stem + ".o") for source in SOURCES]

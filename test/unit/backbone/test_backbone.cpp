@@ -318,8 +318,12 @@ static void arguments_are_checked(void **)
         assert_int_equal(vdna_backbone_open(&config, nullptr, &backbone), VDNA_ERR_ARG);
     }
     config.max_pixels = 1;
-    config.struct_size--;
-    assert_int_equal(vdna_backbone_open(&config, &error, &backbone), VDNA_ERR_ARG);
+    for (const uint32_t size : {0u, config.struct_size - 1, config.struct_size + 1}) {
+        vdna_backbone_config other = config;
+        other.struct_size = size;
+        assert_int_equal(vdna_backbone_open(&other, &error, &backbone), VDNA_ERR_ARG);
+    }
+    assert_int_equal(vdna_backbone_open(nullptr, &error, &backbone), VDNA_ERR_ARG);
 
     backbone = opened();
     vdna_backbone_frame frame;

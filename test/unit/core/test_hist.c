@@ -413,6 +413,10 @@ static void bad_shapes_have_no_size(void **state)
     config = small_config();
     config.struct_size = 0;
     assert_int_equal(vdna_hist_mem_size(&config), 0);
+    config.struct_size = sizeof config - 1;
+    assert_int_equal(vdna_hist_mem_size(&config), 0);
+    config.struct_size = sizeof config + 1;
+    assert_int_equal(vdna_hist_mem_size(&config), 0);
     assert_int_equal(vdna_hist_mem_size(NULL), 0);
 }
 

@@ -279,6 +279,8 @@ static void bad_configs_have_no_size(void **state)
     config = by_frames(1);
     config.struct_size = 0;
     assert_int_equal(vdna_window_mem_size(&config), 0);
+    config.struct_size = sizeof config + 1;
+    assert_int_equal(vdna_window_mem_size(&config), 0);
     config = by_frames(1);
     config.which = VDNA_WINDOW_FIRST + 1;
     assert_int_equal(vdna_window_mem_size(&config), 0);
@@ -329,6 +331,65 @@ static void defaults_are_by_frames_with_a_thousand_bins(void **state)
     assert_int_equal(config.capacity, 0);
     assert_int_equal(config.which, VDNA_WINDOW_LAST);
     vdna_window_config_init(NULL);
+}
+
+/* Version 0.1 had no `which`; test/abi/old_caller.c is a program that was compiled with it. */
+#define SIZE_0_1 offsetof(vdna_window_config, which)
+
+static void an_older_config_gets_the_defaults_of_what_it_lacks(void **state)
+{
+    (void)state;
+    vdna_window_config config = by_frames(2);
+    config.struct_size = SIZE_0_1;
+    config.which = 77; /* the old caller's memory, which is none of our business */
+    vdna_window *window = window_of(config);
+    for (int64_t utime = 0; utime < 5; utime++)
+        assert_int_equal(events_of(window, utime, 0.5f), VDNA_WINDOW_ADDED);
+    config.struct_size = SIZE_0_1 - 1;
+    assert_int_equal(vdna_window_mem_size(&config), 0);
+}
+
+static void defaults_are_written_as_far_as_the_caller_has_room(void **state)
+{
+    (void)state;
+    struct {
+        vdna_window_config config;
+        unsigned char beyond[16];
+    } room;
+    const size_t sizes[] = {4, SIZE_0_1, sizeof room.config, sizeof room};
+    for (size_t i = 0; i < 4; i++) {
+        memset(&room, 0xAA, sizeof room);
+        vdna_window_config_init_sized(&room.config, sizes[i]);
+        assert_int_equal(room.config.struct_size, sizes[i]);
+        assert_int_equal(room.config.bins, i == 0 ? 0xAAAAAAAA : 1000);
+        for (size_t b = 0; b < sizeof room; b++) {
+            const int is_written = ((unsigned char *)&room)[b] != 0xAA;
+            assert_int_equal(is_written, b < sizes[i]);
+        }
+    }
+    /* Newer than this library: refused by all that take it. */
+    room.config = by_frames(1);
+    assert_int_not_equal(vdna_window_mem_size(&room.config), 0);
+    room.config.struct_size = sizeof room;
+    assert_int_equal(vdna_window_mem_size(&room.config), 0);
+
+    const unsigned char untouched[3] = {1, 2, 3};
+    unsigned char tiny[3] = {1, 2, 3};
+    vdna_window_config_init_sized((vdna_window_config *)(void *)tiny, sizeof tiny);
+    assert_memory_equal(tiny, untouched, sizeof tiny);
+    vdna_window_config_init_sized(NULL, sizeof room.config);
+}
+
+static void the_function_behind_the_macro_writes_what_version_0_1_had(void **state)
+{
+    (void)state;
+    vdna_window_config config;
+    memset(&config, 0xAA, sizeof config);
+    (vdna_window_config_init)(&config);
+    assert_int_equal(config.struct_size, SIZE_0_1);
+    assert_int_equal(config.bins, 1000);
+    assert_true(config.which == 0xAAAAAAAAAAAAAAAA);
+    (vdna_window_config_init)(NULL);
 }
 
 static void a_last_window_is_never_complete_and_tells_of_restarts(void **state)
@@ -684,6 +745,9 @@ int main(void)
         cmocka_unit_test(a_range_without_width_is_refused),
         cmocka_unit_test(a_capacity_that_cannot_be_counted_or_addressed_is_refused),
         cmocka_unit_test(defaults_are_by_frames_with_a_thousand_bins),
+        cmocka_unit_test(an_older_config_gets_the_defaults_of_what_it_lacks),
+        cmocka_unit_test(defaults_are_written_as_far_as_the_caller_has_room),
+        cmocka_unit_test(the_function_behind_the_macro_writes_what_version_0_1_had),
         cmocka_unit_test(a_last_window_is_never_complete_and_tells_of_restarts),
         cmocka_unit_test(the_stamp_of_the_frame_that_left_early_is_told_while_it_is_missed),
         cmocka_unit_test(the_masses_of_a_last_window_are_bounded_by_its_capacity_alone),

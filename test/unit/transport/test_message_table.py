@@ -116,7 +116,7 @@ class MessageTable(unittest.TestCase):
 
     def test_a_fingerprint_that_is_not_pinned_is_told(self):
         self.refused(self.changed("utime", "time"), 1, PIN.split()[1], "demo.beat_t",
-                     "docs/SPEC-lcm.md", name="fingerprints.txt")
+                     "docs/reference/SPEC-lcm.md", name="fingerprints.txt")
         self.refused(GOOD, 1, "35b08472ae2a6261", name="fingerprints.txt",
                      pin="demo.beat_t 0000000000000000")
         self.refused(GOOD, 1, "other.beat_t", name="fingerprints.txt",

@@ -574,6 +574,9 @@ static void a_bad_configuration_is_refused(void **state)
     config.max_message_bytes = LCM_MAX_MESSAGE_SIZE + 1;
     assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
     config = memq_config();
+    config.struct_size++;
+    assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
+    config = memq_config();
     config.struct_size--;
     assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
     assert_null(transport);
