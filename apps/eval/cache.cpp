@@ -9,7 +9,7 @@
 #include <vdna/cpp/error.hpp>
 
 #include "program/exit_code.hpp"
-#include "program/whole_file.hpp"
+#include "program/replaced_file.hpp"
 
 namespace vdna::eval
 {
@@ -72,7 +72,7 @@ void Cache::store(const std::string &key, std::string bytes) const
     bytes += sha256_of(bytes.data(), bytes.size());
     std::error_code failure;
     fs::create_directories(file_of(key).parent_path(), failure); // reported by the write
-    program::write_whole_file(file_of(key).string(), bytes);
+    program::replace_file(file_of(key).string(), bytes, program::Durability::quick);
 }
 
 fs::path Cache::file_of(const std::string &key) const

@@ -1,7 +1,5 @@
 #include "record/experiences.hpp"
 
-#include <algorithm>
-
 namespace vdna::record
 {
 
@@ -9,16 +7,14 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> experience_files(const fs::path &map)
 {
-    std::error_code failure;
+    vdna_error error{};
+    uint32_t count = 0;
+    require(vdna_map_count(map.c_str(), &error, &count), error);
+    std::vector<vdna_map_file> listed(count);
+    require(vdna_map_list(map.c_str(), count, &error, listed.data(), &count), error);
     std::vector<fs::path> files;
-    for (fs::directory_iterator file(map, failure), end; !failure && file != end;
-         file.increment(failure))
-        if (file->path().extension() == VDNA_MAP_EXTENSION &&
-            file->path().filename().string()[0] != '.')
-            files.push_back(*file);
-    if (failure)
-        throw Error(map.string() + ": cannot read this map directory: " + failure.message());
-    std::sort(files.begin(), files.end());
+    for (uint32_t i = 0; i < count; i++)
+        files.push_back(map / listed[i].file);
     return files;
 }
 

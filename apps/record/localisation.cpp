@@ -23,10 +23,10 @@ double places_apart(int64_t a, int64_t b)
 Match match_of(const vdna_experience &experience, const Recording &live, uint32_t i,
                std::vector<vdna_knn_match> &nearest)
 {
-    require(vdna_knn(&live.embeddings[size_t{i} * experience.identity.dim],
-                        experience.identity.dim, experience.embeddings, experience.frames,
-                        static_cast<uint32_t>(nearest.size()), nearest.data()),
-               experience.name);
+    require(vdna_knn(&live.embeddings[size_t{i} * experience.identity.dim], experience.identity.dim,
+                     experience.embeddings, experience.frames,
+                     static_cast<uint32_t>(nearest.size()), nearest.data()),
+            experience.name);
     return {&experience, nearest[0].index, std::sqrt(nearest[0].distance_sq), false, false, 0};
 }
 

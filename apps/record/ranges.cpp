@@ -9,7 +9,7 @@
 #include <vdna/cpp/error.hpp>
 #include <vdna/cpp/experience.hpp>
 
-#include "program/whole_file.hpp"
+#include "program/replaced_file.hpp"
 
 namespace vdna::record
 {
@@ -80,22 +80,22 @@ Calibration::Calibration(const vdna_backbone_info &backbone)
                           std::vector<float>(size_t{2} * backbone.identity.neurons)))
 {
     require(vdna_range_clear(observed_.values.data(), observed_.identity.neurons),
-               observed_.origin);
+            observed_.origin);
 }
 
 void Calibration::observe(const vdna_backbone_frame &frame, const std::string &where)
 {
     require(vdna_range_observe(observed_.values.data(), observed_.identity.neurons, frame.taps,
-                                  frame.tap_count),
-               where);
+                               frame.tap_count),
+            where);
 }
 
 Ranges Calibration::ranges(uint32_t rule) const
 {
     Ranges expanded = observed_;
-    require(vdna_range_expand(expanded.values.data(), expanded.identity.neurons,
-                                 VDNA_RANGE_FACTOR, rule),
-               expanded.origin);
+    require(vdna_range_expand(expanded.values.data(), expanded.identity.neurons, VDNA_RANGE_FACTOR,
+                              rule),
+            expanded.origin);
     return expanded;
 }
 
@@ -134,7 +134,7 @@ void write_ranges(const Ranges &ranges, uint32_t rule, const std::string &path)
                        {"factor", VDNA_RANGE_FACTOR},
                        {"rule", range_rules[rule]},
                        {"range", pairs}};
-    program::write_whole_file(path, json.dump() + "\n");
+    program::replace_file(path, json.dump() + "\n");
 }
 
 void require_backbone(const Ranges &ranges, const vdna_backbone_info &backbone)

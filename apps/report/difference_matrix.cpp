@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "program/interrupt.hpp"
+#include "program/replaced_file.hpp"
 
 namespace vdna::report
 {
@@ -137,15 +138,9 @@ void draw_difference_matrices(const record::Recording &live,
         panels.push_back(panel_of(matrices[i], scale, zoom, localisations[i]));
     cv::Mat picture;
     cv::hconcat(panels, picture);
-    bool written = false;
-    try {
-        written = cv::imwrite(png, picture);
-    } catch (const cv::Exception &) {
-        // The reason is as unspecific as the result false.
-    }
-    if (!written)
-        throw Error(png + ": cannot write this picture; expected a .png file in a folder that "
-                          "exists");
+    std::vector<uchar> bytes;
+    cv::imencode(".png", picture, bytes);
+    program::replace_file(png, {bytes.begin(), bytes.end()}, program::Durability::quick);
 }
 
 } // namespace vdna::report

@@ -1,6 +1,6 @@
 #include "report/npy.hpp"
 
-#include "program/whole_file.hpp"
+#include "program/replaced_file.hpp"
 
 namespace vdna::report
 {
@@ -28,7 +28,7 @@ void write(const std::string &path, const char *type, const std::vector<size_t> 
     bytes += static_cast<char>(header.size() >> 8);
     bytes += header;
     bytes.append(reinterpret_cast<const char *>(values.data()), values.size() * sizeof(Number));
-    program::write_whole_file(path, bytes);
+    program::replace_file(path, bytes);
 }
 
 } // namespace

@@ -4,7 +4,7 @@
 
 #include "program/print.hpp"
 #include "program/progress.hpp"
-#include "program/whole_file.hpp"
+#include "program/replaced_file.hpp"
 #include "report/npy.hpp"
 
 namespace vdna::report
@@ -39,7 +39,7 @@ class NpyFiles
             index["queries"].push_back(traversal(query.traversal).name);
         for (const size_t reference : evaluation_.references)
             index["references"].push_back(traversal(reference).name);
-        program::write_whole_file(directory_ + "/index.json", index.dump(2) + "\n");
+        program::replace_file(directory_ + "/index.json", index.dump(2) + "\n");
     }
 
     void write_traversals() const

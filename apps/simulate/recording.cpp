@@ -1,9 +1,6 @@
 #include "simulate/recording.hpp"
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
@@ -12,7 +9,9 @@
 #include <vdna/cpp/error.hpp>
 
 #include "program/interrupt.hpp"
+#include "program/new_folder.hpp"
 #include "program/progress.hpp"
+#include "program/replaced_file.hpp"
 
 namespace vdna::simulate
 {
@@ -29,20 +28,11 @@ std::string picture_name(size_t frame)
     return name;
 }
 
-void write_file(const fs::path &file, const void *data, size_t size)
-{
-    std::ofstream out(file, std::ios::binary);
-    out.write(static_cast<const char *>(data), static_cast<std::streamsize>(size));
-    out.close();
-    if (!out)
-        throw Error(file.string() + ": cannot write: " + std::strerror(errno));
-}
-
 void write_picture(const fs::path &file, const cv::Mat &picture, int quality)
 {
     std::vector<uchar> bytes;
     cv::imencode(file.extension().string(), picture, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
-    write_file(file, bytes.data(), bytes.size());
+    program::replace_file(file.string(), {bytes.begin(), bytes.end()}, program::Durability::quick);
 }
 
 // True for the names that record_drive() writes: nothing else is ever deleted.
@@ -71,36 +61,6 @@ void require_replaceable(const fs::path &directory, bool force)
     }
 }
 
-// A directory to work in, which goes away unless it was moved to its place.
-class Workplace
-{
-  public:
-    explicit Workplace(const fs::path &target) : target_(target), partial_(target)
-    {
-        partial_ += ".partial";
-        require_replaceable(partial_, true);
-        fs::remove_all(partial_);
-        fs::create_directories(partial_);
-    }
-    ~Workplace()
-    {
-        std::error_code ignored;
-        fs::remove_all(partial_, ignored);
-    }
-    Workplace(const Workplace &) = delete;
-    Workplace &operator=(const Workplace &) = delete;
-
-    const fs::path &path() const { return partial_; }
-    void finish()
-    {
-        fs::remove_all(target_);
-        fs::rename(partial_, target_);
-    }
-
-  private:
-    fs::path target_, partial_;
-};
-
 // In the left corner above `bottom`, readable on any ground.
 void write_name(cv::Mat3b &sheet, const std::string &name, int bottom)
 {
@@ -127,7 +87,7 @@ void write_recording(const fs::path &directory, const Route &route, const Condit
         labels += name + numbers;
         bar.advance();
     }
-    write_file(directory / "labels.csv", labels.data(), labels.size());
+    program::replace_file((directory / "labels.csv").string(), labels, program::Durability::quick);
 }
 
 } // namespace
@@ -139,8 +99,9 @@ void record_drive(const fs::path &directory, const Route &route, const Condition
     const fs::path target = directory.has_filename() ? directory : directory.parent_path();
     try {
         require_replaceable(target, config.force);
-        Workplace work(target);
-        write_recording(work.path(), route, condition, drive, config);
+        require_replaceable(target.string() + ".partial", true);
+        program::NewFolder work(target);
+        write_recording(work.partial(), route, condition, drive, config);
         work.finish();
     } catch (const fs::filesystem_error &error) {
         throw Error(error.path1().string() + ": cannot write: " + error.code().message());

@@ -6,7 +6,7 @@
 
 #include "eval/ablation.hpp"
 #include "program/exit_code.hpp"
-#include "program/whole_file.hpp"
+#include "program/replaced_file.hpp"
 #include "record/ranges.hpp"
 #include "record/warmup.hpp"
 #include "report/report.hpp"
@@ -116,16 +116,16 @@ void write_results(const EvalOptions &o, const eval::Evaluation &evaluation,
         if (o.json != "-")
             std::cout << "\nAblation: " << ablation.kind << '\n' << report::table_of(ablation);
     if (!o.json.empty() && o.json != "-")
-        program::write_whole_file(
+        program::replace_file(
             o.json, report::json_of(evaluation, ablations)
                             .dump(2, ' ', false, program::Json::error_handler_t::replace) +
                         "\n");
     if (!o.csv.empty())
-        program::write_whole_file(o.csv, report::csv_of(evaluation));
+        program::replace_file(o.csv, report::csv_of(evaluation));
     if (!o.npy.empty())
         report::write_npy_files(evaluation, o.npy);
     if (!o.html.empty())
-        program::write_whole_file(o.html, report::report_of(evaluation, ablations, o.command_line));
+        program::replace_file(o.html, report::report_of(evaluation, ablations, o.command_line));
 }
 
 // What was given on the command line, in the order of the help.

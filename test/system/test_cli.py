@@ -262,14 +262,22 @@ class Build(Scratch):
         self.assertIn("resnet9000",
                       self.refused("build", "map", "a", "--backbone", "resnet9000"))
 
-    def test_a_failed_write_leaves_nothing_new_behind(self):
+    def test_what_is_in_the_way_of_one_experience_leaves_the_map_as_it_was(self):
         self.pictures("a", range(1))
         self.pictures("b", range(1))
         self.vdna("build", "map", "a")
-        (self.folder / "map/c.vdna.part").mkdir()  # in the way of the second file
-        self.pictures("c", range(1))
-        self.refused("build", "map", "b", "c")
-        self.assertEqual(self.map_files(), ["a.vdna", "c.vdna.part"])
+        before = (self.folder / "map/a.vdna").read_bytes()
+        (self.folder / "map/b.vdna").mkdir()
+        sentence = self.refused("build", "map", "a", "b", "--force", "--bins", "50")
+        self.assertIn("b.vdna: is a directory", sentence)
+        self.assertIn("the map is unchanged", sentence)
+        self.assertEqual((self.folder / "map/a.vdna").read_bytes(), before)
+        self.assertEqual(self.map_files(), ["a.vdna", "b.vdna"])
+
+    def test_a_map_that_cannot_be_made_leaves_no_directory(self):
+        self.pictures("a", range(1))
+        self.refused("build", "map", "a", "--backbone", "resnet9000")
+        self.assertFalse((self.folder / "map").exists())
 
     def test_interrupted_it_leaves_the_map_as_it_was(self):
         self.pictures("a", range(2))

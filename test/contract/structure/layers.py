@@ -20,7 +20,7 @@ ROOMS = {
     "lib/select": (3, ["lib/core"]),
     "lib/transport": (3, ["lib/core", "lib/fail"]),
     "lib/cpp": (5, ["lib/core", "lib/backbone", "lib/identity", "lib/map", "lib/select", "lib/transport"]),
-    "apps/program": (6, ["lib/cpp", "lib/map"]),
+    "apps/program": (6, ["lib/cpp", "lib/replace"]),
     "apps/frames": (7, ["apps/program", "lib/core", "lib/cpp", "lib/transport"]),
     "apps/simulate": (7, ["apps/program", "lib/cpp"]),
     "apps/telemetry": (7, ["apps/program", "lib/transport"]),

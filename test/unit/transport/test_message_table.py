@@ -5,7 +5,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-PROGRAM = Path(__file__).resolve().parents[2] / "lcmtypes" / "message_table.py"
+PROGRAM = Path(__file__).resolve().parents[3] / "lcmtypes" / "message_table.py"
 # From lcm-gen 1.3.1, for what GOOD says.
 PIN = "demo.beat_t 35b08472ae2a6261"
 GOOD = """\

@@ -1,0 +1,123 @@
+#include "record/maker.hpp"
+
+#include <cstring>
+
+namespace vdna::record
+{
+
+namespace
+{
+
+// So much memory may be spent on not running the network twice.
+constexpr size_t activation_bytes_max = size_t{512} << 20;
+
+void count(Draft &draft, const Pass &pass)
+{
+    draft.histogram->add(pass.output().taps, pass.output().tap_count, pass.frame().name);
+}
+
+void require_frames(Draft &draft, const Pass &pass)
+{
+    draft.recording.bad = pass.bad();
+    if (draft.recording.frames == 0)
+        throw Error(draft.source + ": none of its " + std::to_string(pass.bad()) +
+                    " frames can be used");
+}
+
+} // namespace
+
+Maker::Maker(Backbone &backbone, const frames::SourceOptions &options, uint32_t bins)
+    : backbone_(backbone), options_(options), bins_(bins), ranges_{"", {}, {}},
+      store_(activation_bytes_max)
+{
+}
+
+void Maker::make(std::vector<Draft> &drafts, uint32_t range_rule)
+{
+    if (ranges_.values.empty()) {
+        calibrate(drafts, range_rule);
+        return;
+    }
+    for (Draft &draft : drafts)
+        record_and_count(draft);
+}
+
+void Maker::record_and_count(Draft &draft)
+{
+    draft.histogram.emplace(ranges_.values, bins_);
+    Pass pass(draft.source, options_, backbone_);
+    while (pass.next()) {
+        draft.recording.add(pass);
+        count(draft, pass);
+    }
+    require_frames(draft, pass);
+}
+
+void Maker::calibrate(std::vector<Draft> &drafts, uint32_t range_rule)
+{
+    Calibration calibration(backbone_.info());
+    for (Draft &draft : drafts) {
+        Pass pass(draft.source, options_, backbone_);
+        while (pass.next()) {
+            draft.recording.add(pass);
+            calibration.observe(pass.output(), pass.frame().name);
+            store_.add(pass.output());
+        }
+        require_frames(draft, pass);
+    }
+    ranges_ = calibration.ranges(range_rule);
+    for (Draft &draft : drafts)
+        draft.histogram.emplace(ranges_.values, bins_);
+    if (store_.complete())
+        count_stored(drafts);
+    else
+        for (Draft &draft : drafts)
+            count_again(draft);
+}
+
+void Maker::count_stored(std::vector<Draft> &drafts) const
+{
+    size_t next = 0;
+    for (Draft &draft : drafts)
+        for (uint32_t i = 0; i < draft.recording.frames; i++) {
+            const std::vector<vdna_activations> taps = store_.taps(next++);
+            draft.histogram->add(taps.data(), taps.size(), draft.source);
+        }
+}
+
+// The second pass over the network, where there are too many activations to keep.
+void Maker::count_again(Draft &draft)
+{
+    for (Pass pass(draft.source, options_, backbone_); pass.next();)
+        count(draft, pass);
+    if ((*draft.histogram)->frames != draft.recording.frames)
+        throw Error(draft.source + ": changed while it was read");
+}
+
+vdna_experience Maker::blank() const
+{
+    vdna_experience e{};
+    e.identity = backbone_.info().identity;
+    e.identity.bins = bins_;
+    e.identity.range = ranges_.values.empty() ? nullptr : ranges_.values.data();
+    return e;
+}
+
+vdna_experience Maker::experience_of(const Draft &draft) const
+{
+    const Recording &r = draft.recording;
+    const Histogram &histogram = *draft.histogram;
+    vdna_experience e = blank();
+    std::memcpy(e.name, draft.name.c_str(), draft.name.size() + 1);
+    e.frames = r.frames;
+    e.counts = histogram->counts;
+    e.mass = histogram->mass;
+    e.embeddings = r.embeddings.data();
+    e.frame_utime = r.utime.data();
+    e.frame_place = r.place.empty() ? nullptr : r.place.data();
+    e.frame_position = r.position.empty() ? nullptr : r.position.data();
+    e.frame_grey = r.grey.data();
+    return e;
+}
+
+} // namespace vdna::record

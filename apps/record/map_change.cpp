@@ -1,0 +1,31 @@
+#include "record/map_change.hpp"
+
+namespace vdna::record
+{
+
+namespace fs = std::filesystem;
+
+MapChange::MapChange(const fs::path &map) : map_(map)
+{
+    std::error_code failure;
+    made_ = fs::create_directories(map, failure);
+    if (failure)
+        throw Error(map.string() + ": cannot make this directory: " + failure.message());
+    update_.emplace(map.string());
+}
+
+MapChange::~MapChange()
+{
+    update_.reset();
+    std::error_code unused;
+    if (made_)
+        fs::remove(map_, unused);
+}
+
+void MapChange::commit()
+{
+    update_->commit();
+    made_ = false;
+}
+
+} // namespace vdna::record
