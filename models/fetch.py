@@ -212,13 +212,16 @@ def main():
     parser.add_argument("--runtime-for", metavar="MACHINE",
                         help="only ONNX Runtime, for x86_64 or aarch64: all else runs on this machine "
                         "or is the same on every one")
+    parser.add_argument("--network", choices=NETWORKS,
+                        help="only ONNX Runtime and this network: what the demo needs")
     options = parser.parse_args()
     deps, machine = options.deps, options.runtime_for or platform.machine()
 
     wanted = [(deps / "onnxruntime", f"{RUNTIME} {HEADER_SHA256} licences", runtime(machine))]
     if not options.runtime_for:
-        wanted.append((deps / "python", SAFETENSORS, safetensors))
-        for name in NETWORKS:
+        if not options.network:
+            wanted.append((deps / "python", SAFETENSORS, safetensors))
+        for name in [options.network] if options.network else NETWORKS:
             sha256 = tomllib.loads((HERE / f"{name}.toml").read_text())["sha256"]
             wanted.append((deps / "models" / f"{name}.onnx", sha256, network(name, sha256)))
 

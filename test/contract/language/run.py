@@ -58,7 +58,7 @@ def copy_of(example):
 
 def require_tool(path, name):
     if path.endswith("-NOTFOUND"):
-        skip(f"there is no {name}")
+        skip(f"no {name}; install one, in any way")
 
 
 def check_rank(output):

@@ -35,7 +35,7 @@ def output_of(*command):
 
 def need(tool):
     if not shutil.which(tool):
-        print(f"skipped: {tool} is missing")
+        print(f"skipped: no {tool}; on Debian, ./dev installs it")
         sys.exit(77)
 
 

@@ -13,8 +13,11 @@ from pathlib import Path
 PROGRAMS = os.environ["VDNA_PROGRAMS"] == "ON"
 DEBS = sorted(Path(os.environ["VDNA_STAGE"], "debs").glob("*.deb"))
 
-if not DEBS or not shutil.which("lintian"):
-    print("skipped: needs Debian's dpkg-dev and lintian")
+if not DEBS:
+    print("skipped: no dpkg-dev, so no packages; install build-essential")
+    sys.exit(77)
+if not shutil.which("lintian"):
+    print("skipped: no lintian; ./dev test --all installs it")
     sys.exit(77)
 
 

@@ -82,7 +82,7 @@ def share(summary):
 def main():
     missing = [tool for tool in TOOLS if not shutil.which(tool)]
     if missing:
-        print(f"skipped: no {', '.join(missing)}; ./dev test installs them")
+        print(f"skipped: no {', '.join(missing)}; ./dev test --all installs them")
         sys.exit(77)
 
     excuses, used, gaps, files = excused(), set(), [], measure()

@@ -126,7 +126,7 @@ def main():
     try:
         machines = [Machine(name) for name in MACHINES]
     except FileNotFoundError as missing:
-        machines, reason = None, f"{missing}; ./dev test installs it"
+        machines, reason = None, f"no {missing.filename}; ./dev test --all installs it"
     if write:
         if not machines:
             sys.exit(reason)

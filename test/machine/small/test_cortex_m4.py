@@ -16,7 +16,7 @@ STACK_MAX = 1024  # bytes, libgcc's arithmetic included
 try:
     MACHINES = [Machine("cortex-m4"), Machine("cortex-m4f")]
 except FileNotFoundError as missing:
-    print(f"skipped: {missing}; ./dev test installs it")
+    print(f"skipped: no {missing.filename}; ./dev test --all installs it")
     sys.exit(77)
 
 
