@@ -86,7 +86,8 @@ CachedFrame Frames::frame_of(const std::vector<uint8_t> &picture, const std::str
 void Frames::compute(const std::vector<uint8_t> &picture, const std::string &key,
                      const std::string &name)
 {
-    const vdna_image image = {picture.data(), picture.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
+    const vdna_image encoded = {picture.data(), picture.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
+    const vdna_image image = camera_image(encoded, name, converter_);
     vdna_error error{};
     vdna_backbone_frame output;
     const vdna_status status = vdna_backbone_run(backbone_.get(), &image, &error, &output);

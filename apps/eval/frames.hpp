@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "camera_image.hpp"
 #include "dataset.hpp"
 #include "evaluation.hpp"
 #include "frame_cache.hpp"
@@ -47,6 +48,7 @@ class Frames
     Backbone &backbone_;
     const Cache &cache_;
     FrameCache frame_cache_;
+    picture::FileConverter converter_;
     std::vector<Traversal> traversals_;
     std::vector<std::vector<std::string>> keys_; // [traversals][frames]
     CachedTaps taps_;

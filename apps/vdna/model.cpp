@@ -1,6 +1,7 @@
 // vdna model - networks: compare two precisions of one, and write what one is given.
 #include <algorithm>
 
+#include "camera_image.hpp"
 #include "commands.hpp"
 #include "eval/evaluate.hpp"
 #include "eval/npy.hpp"
@@ -86,7 +87,9 @@ Dataset dataset_of(const std::string &path)
 
 double inference_ms(Backbone &backbone, const std::vector<uint8_t> &picture, const fs::path &file)
 {
-    const vdna_image image = {picture.data(), picture.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
+    const vdna_image encoded = {picture.data(), picture.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
+    picture::FileConverter converter;
+    const vdna_image image = camera_image(encoded, file.string(), converter);
     vdna_error error{};
     vdna_backbone_frame frame;
     if (vdna_backbone_run(backbone.get(), &image, &error, &frame) != VDNA_OK)

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "camera_image.hpp"
 #include "pairing/pairing.hpp"
 #include "progress/progress.hpp"
 #include "source.hpp"
@@ -33,6 +34,7 @@ class Pass
     Backbone &backbone_;
     bool skip_bad_;
     Progress progress_;
+    picture::FileConverter converter_;
     Frame frame_;
     vdna_backbone_frame output_{};
     uint64_t bad_ = 0;

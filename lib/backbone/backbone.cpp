@@ -5,17 +5,15 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
-#include <new>
 #include <string>
 #include <vector>
 
-#include <fail.h>
-
-#include "decode.hpp"
 #include "failure.hpp"
 #include "manifest.hpp"
 #include "manifest_path.hpp"
 #include "model.hpp"
+#include "picture/decode.hpp"
+#include "picture/mean_grey.hpp"
 #include "preprocess.hpp"
 #include "processor.hpp"
 #include "runtime.hpp"
@@ -28,7 +26,7 @@ struct vdna_backbone {
 
     Runtime runtime;
     Session session;
-    Decoder decoder;
+    picture::Decoder decoder;
     Preprocessor preprocessor;
     std::vector<vdna_activations> taps;
     uint32_t neurons = 0;
@@ -45,28 +43,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr uint32_t threads_default = 2;
 constexpr uint32_t threads_max = 256;
-
-// Run `body`, and make a status and a sentence of whatever it throws: nothing passes the border.
-template <class Body>
-vdna_status guarded(vdna_error *error, Body body) noexcept
-{
-    try {
-        body();
-        return VDNA_OK;
-    } catch (const Failure &failure) {
-        return vdna_fail(error, failure.status(), "%s", failure.what());
-    } catch (const std::bad_alloc &) {
-        return vdna_fail(error, VDNA_ERR_NOMEM, "%s", vdna_status_text(VDNA_ERR_NOMEM));
-    } catch (const cv::Exception &failure) {
-        const bool no_memory = failure.code == cv::Error::StsNoMem;
-        return vdna_fail(error, no_memory ? VDNA_ERR_NOMEM : VDNA_ERR_FORMAT, "picture: OpenCV: %s",
-                         failure.err.c_str());
-    } catch (const std::exception &failure) {
-        return vdna_fail(error, VDNA_ERR_RUNTIME, "%s", failure.what());
-    } catch (...) {
-        return vdna_fail(error, VDNA_ERR_RUNTIME, "unknown exception");
-    }
-}
 
 // The output as activations: one axis is the neurons, all others together are the samples.
 vdna_activations as_activations(const Output &output, uint32_t layout)
@@ -123,7 +99,7 @@ void fill_info(vdna_backbone &backbone, const Manifest &manifest, uint32_t max_p
     info.dim = static_cast<uint32_t>(backbone.embedding.size());
     info.input_width = manifest.input.width;
     info.input_height = manifest.input.height;
-    info.decode_bytes = Decoder::bytes_for(max_pixels);
+    info.decode_bytes = vdna_decoder_bytes_max(max_pixels);
 }
 
 void l2_normalise(std::vector<float> &values)
@@ -240,10 +216,10 @@ vdna_status vdna_backbone_run(vdna_backbone *backbone, const vdna_image *image, 
     return guarded(error, [&] {
         require_not_cancelled(*backbone);
         const auto begin = Clock::now();
-        const Picture picture = backbone->decoder.decode(*image);
-        const float grey = mean_grey(picture);
+        const vdna_pixels pixels = backbone->decoder.decode(*image);
+        const float grey = picture::mean_grey(pixels);
         const auto decoded = Clock::now();
-        backbone->preprocessor.run(picture, backbone->session.input());
+        backbone->preprocessor.run(pixels, backbone->session.input());
         const auto resized = Clock::now();
         infer(*backbone);
         const auto inferred = Clock::now();

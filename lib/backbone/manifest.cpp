@@ -24,6 +24,7 @@ constexpr const char *digits = "0123456789";
 
 using Keys = std::initializer_list<std::string_view>;
 
+// In the order of picture::Interpolation.
 const Keys interpolation_names = {"area", "linear", "cubic", "pillow_bicubic"};
 
 std::string listed(Keys keys)
@@ -193,7 +194,7 @@ Input Reader::input(const toml::table &table) const
         refuse(table.get("std")->source(), "'std' is divided by: its numbers must be above 0");
     choice(table, "resize", {"stretch"});
     input.interpolation =
-        static_cast<Interpolation>(choice(table, "interpolation", interpolation_names));
+        static_cast<picture::Interpolation>(choice(table, "interpolation", interpolation_names));
     return input;
 }
 

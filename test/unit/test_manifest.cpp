@@ -68,7 +68,7 @@ static void every_field_is_read(void **)
     assert_true(manifest.input.bgr);
     assert_true(manifest.input.mean[1] == 116.28 && manifest.input.mean[2] == 0.0);
     assert_true(manifest.input.std[2] == 0.1);
-    assert_true(manifest.input.interpolation == Interpolation::cubic);
+    assert_true(manifest.input.interpolation == picture::Interpolation::cubic);
     assert_int_equal(manifest.taps.size(), 2);
     assert_string_equal(manifest.taps[1].output.c_str(), "map");
     assert_int_equal(manifest.taps[1].layout, VDNA_LAYOUT_NEURONS_SAMPLES);
