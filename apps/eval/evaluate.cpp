@@ -186,8 +186,8 @@ class Run
         const record::Recording &map = traversals_[reference].recording;
         double distance = 0;
         require(vdna_frechet(live.embeddings.data(), query.warmup_frames, map.embeddings.data(),
-                                map.frames, frames_.backbone().identity.dim, &distance),
-                   traversals_[reference].name + ": Frechet distance");
+                             map.frames, frames_.backbone().identity.dim, &distance),
+                traversals_[reference].name + ": Frechet distance");
         return distance;
     }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "frames/camera_image.hpp"
 #include "frames/source.hpp"
 #include "program/interrupt.hpp"
 #include "program/progress.hpp"
@@ -86,7 +87,8 @@ CachedFrame Frames::frame_of(const std::vector<uint8_t> &picture, const std::str
 void Frames::compute(const std::vector<uint8_t> &picture, const std::string &key,
                      const std::string &name)
 {
-    const vdna_image image = {picture.data(), picture.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
+    const vdna_image encoded = {picture.data(), picture.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
+    const vdna_image image = frames::camera_image(encoded, name, converter_);
     vdna_error error{};
     vdna_backbone_frame output;
     const vdna_status status = vdna_backbone_run(backbone_.get(), &image, &error, &output);

@@ -7,6 +7,7 @@
 
 #include "eval/evaluation.hpp"
 #include "eval/frame_cache.hpp"
+#include "frames/camera_image.hpp"
 #include "frames/dataset.hpp"
 
 namespace vdna::eval
@@ -48,6 +49,7 @@ class Frames
     Backbone &backbone_;
     const Cache &cache_;
     FrameCache frame_cache_;
+    picture::FileConverter converter_;
     std::vector<Traversal> traversals_;
     std::vector<std::vector<std::string>> keys_; // [traversals][frames]
     CachedTaps taps_;

@@ -1,5 +1,6 @@
 #include "record/pass.hpp"
 
+#include "frames/camera_image.hpp"
 #include "program/interrupt.hpp"
 
 namespace vdna::record
@@ -33,6 +34,7 @@ bool Pass::run()
 {
     if (!source_.next(frame_))
         return false;
+    frame_.image = frames::camera_image(frame_.image, frame_.name, converter_);
     vdna_error error{};
     const vdna_status status = vdna_backbone_run(backbone_.get(), &frame_.image, &error, &output_);
     const std::string sentence = frame_.name + ": " + error.text;

@@ -5,6 +5,7 @@
 
 #include <vdna/cpp/backbone.hpp>
 
+#include "frames/camera_image.hpp"
 #include "frames/source.hpp"
 #include "program/progress.hpp"
 
@@ -34,6 +35,7 @@ class Pass
     Backbone &backbone_;
     bool skip_bad_;
     program::Progress progress_;
+    picture::FileConverter converter_;
     frames::Frame frame_;
     vdna_backbone_frame output_{};
     uint64_t bad_ = 0;

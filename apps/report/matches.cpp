@@ -35,9 +35,9 @@ std::string figure(const eval::Evaluation &evaluation, const eval::QueryResult &
 {
     const eval::Traversal &live = (*evaluation.traversals)[query.traversal];
     const eval::Traversal &map = (*evaluation.traversals)[match.traversal];
-    const double apart =
-        record::frames_apart(evaluation.unit, live.recording, match.live,
-                     eval::map_of(map.recording, evaluation.backbone.identity.dim), match.frame);
+    const double apart = record::frames_apart(
+        evaluation.unit, live.recording, match.live,
+        eval::map_of(map.recording, evaluation.backbone.identity.dim), match.frame);
     const std::string frames =
         "frame " + std::to_string(match.live) + " | " + std::to_string(match.frame);
     const std::string distance =

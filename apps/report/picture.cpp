@@ -1,10 +1,14 @@
 #include "report/picture.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <vdna/picture.h>
+
+#include "frames/camera_image.hpp"
 #include "frames/source.hpp"
 #include "report/html.hpp"
 
@@ -41,14 +45,30 @@ std::string image_element(const std::string &kind, const cv::Mat &pixels,
            (kind == "photo" ? "jpeg" : "png") + ";base64," + base64(bytes) + "\">";
 }
 
-// An empty picture if the file is not readable or not a picture.
+struct CloseDecoder {
+    void operator()(vdna_decoder *decoder) const { vdna_decoder_close(decoder); }
+};
+
+// As the network sees it. An empty picture if the file is not readable or not a picture.
 cv::Mat read_pixels(const std::filesystem::path &file)
 {
-    try {
-        return cv::imdecode(frames::read_picture(file), cv::IMREAD_COLOR);
-    } catch (const frames::BadFrame &) {
+    vdna_decoder *opened = nullptr;
+    if (vdna_decoder_open(VDNA_IMAGE_PIXELS_MAX, nullptr, &opened) != VDNA_OK)
         return {};
-    } catch (const cv::Exception &) {
+    const std::unique_ptr<vdna_decoder, CloseDecoder> decoder(opened);
+    try {
+        const std::vector<uint8_t> bytes = frames::read_picture(file);
+        picture::FileConverter converter;
+        const vdna_image image = frames::camera_image(
+            {bytes.data(), bytes.size(), 0, 0, 0, VDNA_PIXEL_ENCODED}, file.string(), converter);
+        vdna_pixels pixels;
+        if (vdna_decoder_decode(decoder.get(), &image, nullptr, &pixels) != VDNA_OK)
+            return {};
+        // Both kinds of files are BGR.
+        return cv::Mat(static_cast<int>(pixels.height), static_cast<int>(pixels.width), CV_8UC3,
+                       const_cast<uint8_t *>(pixels.data), pixels.stride)
+            .clone();
+    } catch (const frames::BadFrame &) {
         return {};
     }
 }

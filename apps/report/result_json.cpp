@@ -121,23 +121,24 @@ program::Json json_of(const eval::Evaluation &evaluation,
                       const std::vector<eval::Ablation> &ablations)
 {
     const vdna_backbone_info &backbone = evaluation.backbone;
-    program::Json json = {{"backbone", backbone.identity.backbone},
-                 {"model_sha256", backbone.identity.model_sha256},
-                 {"precision", vdna_identity_precision(&backbone.identity)},
-                 {"taps", backbone.identity.taps},
-                 {"runtime", backbone.runtime},
-                 {"dataset", evaluation.dataset},
-                 {"bins", evaluation.bins},
-                 {"warmup", warmup_of(evaluation)},
-                 {"tolerance", evaluation.tolerance},
-                 {"unit", name_of(evaluation.unit)},
-                 {"stride", evaluation.stride},
-                 {"cached", evaluation.cached},
-                 {"computed", evaluation.computed},
-                 {"queries", names_of_queries(evaluation)},
-                 {"frames", frames_of(evaluation)},
-                 {"methods", methods_of(evaluation.methods)},
-                 {"recall", outcomes_of(evaluation, [](const eval::Outcome &o) { return o.recall[0]; })}};
+    program::Json json = {
+        {"backbone", backbone.identity.backbone},
+        {"model_sha256", backbone.identity.model_sha256},
+        {"precision", vdna_identity_precision(&backbone.identity)},
+        {"taps", backbone.identity.taps},
+        {"runtime", backbone.runtime},
+        {"dataset", evaluation.dataset},
+        {"bins", evaluation.bins},
+        {"warmup", warmup_of(evaluation)},
+        {"tolerance", evaluation.tolerance},
+        {"unit", name_of(evaluation.unit)},
+        {"stride", evaluation.stride},
+        {"cached", evaluation.cached},
+        {"computed", evaluation.computed},
+        {"queries", names_of_queries(evaluation)},
+        {"frames", frames_of(evaluation)},
+        {"methods", methods_of(evaluation.methods)},
+        {"recall", outcomes_of(evaluation, [](const eval::Outcome &o) { return o.recall[0]; })}};
     for (size_t i = 1; i < eval::recall_depths.size(); i++)
         json["recall_at"][std::to_string(eval::recall_depths[i])] =
             outcomes_of(evaluation, [&](const eval::Outcome &o) { return o.recall[i]; });

@@ -4,6 +4,7 @@
 
 #include "eval/evaluate.hpp"
 #include "eval/precision_change.hpp"
+#include "frames/camera_image.hpp"
 #include "program/text_table.hpp"
 #include "record/pass.hpp"
 #include "report/npy.hpp"
@@ -88,7 +89,9 @@ frames::Dataset dataset_of(const std::string &path)
 
 double inference_ms(Backbone &backbone, const std::vector<uint8_t> &picture, const fs::path &file)
 {
-    const vdna_image image = {picture.data(), picture.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
+    const vdna_image encoded = {picture.data(), picture.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
+    picture::FileConverter converter;
+    const vdna_image image = frames::camera_image(encoded, file.string(), converter);
     vdna_error error{};
     vdna_backbone_frame frame;
     if (vdna_backbone_run(backbone.get(), &image, &error, &frame) != VDNA_OK)
@@ -137,7 +140,7 @@ CheckResult compare(std::array<Side, 2> &sides, const frames::Dataset &dataset,
     CheckResult result{};
     result.embedding =
         eval::embedding_change(sides[0].frames->traversals(), sides[1].frames->traversals(),
-                         sides[0].backbone.info().identity.dim);
+                               sides[0].backbone.info().identity.dim);
     if (dataset.traversals.size() > 1) {
         for (Side &side : sides)
             evaluate_side(side, dataset);

@@ -4,11 +4,11 @@
 #include <iostream>
 #include <limits>
 
-#include <opencv2/imgcodecs.hpp>
 #include <time.h>
 
 #include <vdna/cpp/connection.hpp>
 
+#include "frames/camera_image.hpp"
 #include "frames/source.hpp"
 #include "program/interrupt.hpp"
 #include "program/progress.hpp"
@@ -64,45 +64,10 @@ int64_t wall_us()
     return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
 }
 
-bool is_jpeg(const vdna_image &image)
+void send(vdna_transport *transport, const PlayOptions &options, const frames::Frame &frame,
+          picture::FileConverter &converter)
 {
-    return image.size >= 3 && image.data[0] == 0xFF && image.data[1] == 0xD8 &&
-           image.data[2] == 0xFF;
-}
-
-// A picture in a format that camera messages have: JPEG goes as it is, other files are decoded
-// into `pixels`, from which the result borrows. Throws BadFrame.
-vdna_image as_camera_sends(const frames::Frame &frame, cv::Mat &pixels)
-{
-    vdna_image image = frame.image;
-    if (image.pixelformat != VDNA_PIXEL_ENCODED)
-        return image;
-    if (is_jpeg(image)) {
-        image.pixelformat = VDNA_PIXEL_MJPG;
-        return image;
-    }
-    try {
-        if (image.size <= std::numeric_limits<int>::max())
-            pixels = cv::imdecode(cv::Mat(1, static_cast<int>(image.size), CV_8UC1,
-                                          const_cast<uint8_t *>(image.data)),
-                                  cv::IMREAD_COLOR);
-    } catch (const cv::Exception &) {
-        pixels.release(); // a header that promises too much; said below
-    }
-    if (pixels.empty())
-        throw frames::BadFrame(frame.name + ": cannot be decoded, expected a picture");
-    return {pixels.data,
-            pixels.total() * pixels.elemSize(),
-            static_cast<uint32_t>(pixels.cols),
-            static_cast<uint32_t>(pixels.rows),
-            static_cast<uint32_t>(pixels.step),
-            VDNA_PIXEL_BGR3};
-}
-
-void send(vdna_transport *transport, const PlayOptions &options, const frames::Frame &frame)
-{
-    cv::Mat pixels;
-    const vdna_image image = as_camera_sends(frame, pixels);
+    const vdna_image image = frames::camera_image(frame.image, frame.name, converter);
     const int64_t utime = options.stamp == "recorded" ? frame.utime : wall_us();
     const vdna_status status =
         vdna_transport_publish_image(transport, options.reading.camera.c_str(), utime, &image);
@@ -117,6 +82,7 @@ uint64_t play_once(vdna_transport *transport, const PlayOptions &options, uint64
 {
     frames::Source source(options.source, options.reading);
     program::Progress bar("playing " + options.source, std::min(limit, source.size()));
+    picture::FileConverter converter;
     uint64_t sent = 0;
     for (bool more = true; more && sent < limit;) {
         try {
@@ -125,7 +91,7 @@ uint64_t play_once(vdna_transport *transport, const PlayOptions &options, uint64
             if (!more)
                 break;
             beat.wait();
-            send(transport, options, frame);
+            send(transport, options, frame, converter);
             sent++;
             bar.advance();
         } catch (const frames::BadFrame &bad) {

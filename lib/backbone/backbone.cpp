@@ -3,25 +3,25 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
-#include <new>
 #include <string>
 #include <vector>
 
-#include <fail.h>
 #include <growth.h>
 
 #include <vdna/backbone.h>
 
-#include "decode.hpp"
 #include "failure.hpp"
 #include "manifest.hpp"
 #include "manifest_path.hpp"
 #include "model.hpp"
+#include "picture/decode.hpp"
+#include "picture/mean_grey.hpp"
 #include "preprocess.hpp"
 #include "processor.hpp"
 #include "runtime.hpp"
 #include "session.hpp"
 
+using namespace vdna;
 using namespace vdna::backbone;
 
 struct vdna_backbone {
@@ -29,7 +29,7 @@ struct vdna_backbone {
 
     Runtime runtime;
     Session session;
-    Decoder decoder;
+    picture::Decoder decoder;
     Preprocessor preprocessor;
     std::vector<vdna_activations> taps;
     uint32_t neurons = 0;
@@ -56,28 +56,6 @@ vdna_backbone_config default_config()
     return config;
 }
 
-// Run `body`, and make a status and a sentence of whatever it throws: nothing passes the border.
-template <class Body>
-vdna_status guarded(vdna_error *error, Body body) noexcept
-{
-    try {
-        body();
-        return VDNA_OK;
-    } catch (const Failure &failure) {
-        return vdna_fail(error, failure.status(), "%s", failure.what());
-    } catch (const std::bad_alloc &) {
-        return vdna_fail(error, VDNA_ERR_NOMEM, "%s", vdna_status_text(VDNA_ERR_NOMEM));
-    } catch (const cv::Exception &failure) {
-        const bool no_memory = failure.code == cv::Error::StsNoMem;
-        return vdna_fail(error, no_memory ? VDNA_ERR_NOMEM : VDNA_ERR_FORMAT, "picture: OpenCV: %s",
-                         failure.err.c_str());
-    } catch (const std::exception &failure) {
-        return vdna_fail(error, VDNA_ERR_RUNTIME, "%s", failure.what());
-    } catch (...) {
-        return vdna_fail(error, VDNA_ERR_RUNTIME, "unknown exception");
-    }
-}
-
 // The output as activations: one axis is the neurons, all others together are the samples.
 vdna_activations as_activations(const Output &output, uint32_t layout)
 {
@@ -96,13 +74,15 @@ void write_taps(const Manifest &manifest, const std::vector<vdna_activations> &t
         const vdna_tap tap = {name.data(), name.size(), taps[t].neurons, taps[t].samples};
         const vdna_status status = vdna_taps_append(out, sizeof out, &tap);
         if (status == VDNA_ERR_NOMEM)
-            throw Failure(VDNA_ERR_FORMAT, "the list of taps has " + std::to_string(sizeof out) +
-                                               " characters or more; at most " +
-                                               std::to_string(sizeof out - 1) + " are expected");
+            throw fail::Failure(VDNA_ERR_FORMAT,
+                                "the list of taps has " + std::to_string(sizeof out) +
+                                    " characters or more; at most " +
+                                    std::to_string(sizeof out - 1) + " are expected");
         if (status != VDNA_OK)
-            throw Failure(VDNA_ERR_FORMAT, "backbone " + manifest.name + ": the name of tap " +
-                                               std::to_string(t + 1) +
-                                               " has a character that is not printable ASCII");
+            throw fail::Failure(VDNA_ERR_FORMAT,
+                                "backbone " + manifest.name + ": the name of tap " +
+                                    std::to_string(t + 1) +
+                                    " has a character that is not printable ASCII");
     }
 }
 
@@ -111,9 +91,10 @@ template <size_t Room>
 void copy_text(char (&out)[Room], const std::string &text, const char *what)
 {
     if (text.size() >= Room)
-        throw Failure(VDNA_ERR_FORMAT, std::string(what) + " has " + std::to_string(text.size()) +
-                                           " characters; at most " + std::to_string(Room - 1) +
-                                           " are expected");
+        throw fail::Failure(VDNA_ERR_FORMAT, std::string(what) + " has " +
+                                                 std::to_string(text.size()) +
+                                                 " characters; at most " +
+                                                 std::to_string(Room - 1) + " are expected");
     std::memcpy(out, text.c_str(), text.size() + 1);
 }
 
@@ -121,10 +102,11 @@ void require_processor(const Manifest &manifest)
 {
     const char *const lacks = lacks_for_int8_products();
     if (manifest.precision == "int8" && lacks)
-        throw Failure(VDNA_ERR_UNSUPPORTED,
-                      "backbone " + manifest.name + ": is int8, and this processor lacks " + lacks +
-                          ": it may give other numbers than processors that have it; use the fp32 "
-                          "network and a map made with it");
+        throw fail::Failure(
+            VDNA_ERR_UNSUPPORTED,
+            "backbone " + manifest.name + ": is int8, and this processor lacks " + lacks +
+                ": it may give other numbers than processors that have it; use the fp32 "
+                "network and a map made with it");
 }
 
 void fill_info(vdna_backbone &backbone, const Manifest &manifest, uint32_t max_pixels)
@@ -143,7 +125,7 @@ void fill_info(vdna_backbone &backbone, const Manifest &manifest, uint32_t max_p
     info.tap_count = static_cast<uint32_t>(backbone.taps.size());
     info.input_width = manifest.input.width;
     info.input_height = manifest.input.height;
-    info.decode_bytes = Decoder::bytes_for(max_pixels);
+    info.decode_bytes = vdna_decoder_bytes_max(max_pixels);
 }
 
 void l2_normalise(std::vector<float> &values)
@@ -159,14 +141,14 @@ void l2_normalise(std::vector<float> &values)
 void require_not_cancelled(const vdna_backbone &backbone)
 {
     if (backbone.cancelled)
-        throw Failure(VDNA_ERR_RUNTIME, "the backbone was cancelled; open it again");
+        throw fail::Failure(VDNA_ERR_RUNTIME, "the backbone was cancelled; open it again");
 }
 
 void infer(vdna_backbone &backbone)
 {
     try {
         backbone.session.run();
-    } catch (const Failure &) {
+    } catch (const fail::Failure &) {
         require_not_cancelled(backbone);
         throw;
     }
@@ -182,10 +164,10 @@ void require_finite(const vdna_backbone &backbone)
                                         VDNA_LAYOUT_SAMPLES_NEURONS};
     if (vdna_activations_check(backbone.taps.data(), backbone.taps.size(), backbone.neurons) ||
         vdna_activations_check(&embedding, 1, embedding.neurons))
-        throw Failure(VDNA_ERR_NONFINITE, std::string("backbone ") +
-                                              backbone.info.identity.backbone +
-                                              ": gave a NaN or an infinity for this picture; "
-                                              "expected numbers; leave the picture out");
+        throw fail::Failure(VDNA_ERR_NONFINITE, std::string("backbone ") +
+                                                    backbone.info.identity.backbone +
+                                                    ": gave a NaN or an infinity for this picture; "
+                                                    "expected numbers; leave the picture out");
 }
 
 uint32_t elapsed_us(Clock::time_point begin, Clock::time_point end)
@@ -228,7 +210,7 @@ vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *e
                          "vdna_backbone_open: a manifest, 1 to %u threads and pictures of 1 to %u "
                          "pixels are expected",
                          threads_max, VDNA_IMAGE_PIXELS_MAX);
-    return guarded(error, [&] {
+    return fail::guarded(error, [&] {
         const Manifest manifest = read_manifest(find_manifest(known.manifest));
         require_processor(manifest);
         *out_backbone = new vdna_backbone(manifest, known);
@@ -255,13 +237,13 @@ vdna_status vdna_backbone_run(vdna_backbone *backbone, const vdna_image *image, 
     if (!backbone || !image || !out_frame)
         return vdna_fail(error, VDNA_ERR_ARG,
                          "vdna_backbone_run: a backbone, an image and a frame are expected");
-    return guarded(error, [&] {
+    return fail::guarded(error, [&] {
         require_not_cancelled(*backbone);
         const auto begin = Clock::now();
-        const Picture picture = backbone->decoder.decode(*image);
-        const float grey = mean_grey(picture);
+        const vdna_pixels pixels = backbone->decoder.decode(*image);
+        const float grey = picture::mean_grey(pixels);
         const auto decoded = Clock::now();
-        backbone->preprocessor.run(picture, backbone->session.input());
+        backbone->preprocessor.run(pixels, backbone->session.input());
         const auto resized = Clock::now();
         infer(*backbone);
         const auto inferred = Clock::now();

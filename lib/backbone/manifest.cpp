@@ -23,6 +23,7 @@ constexpr size_t file_max = 1 << 16;
 
 using Keys = std::initializer_list<std::string_view>;
 
+// In the order of picture::Interpolation.
 const Keys interpolation_names = {"area", "linear", "cubic", "pillow_bicubic"};
 
 std::string listed(Keys keys)
@@ -42,8 +43,9 @@ class Reader
 
     [[noreturn]] void refuse(const toml::source_region &where, const std::string &sentence) const
     {
-        throw Failure(VDNA_ERR_FORMAT,
-                      file_.string() + ":" + std::to_string(where.begin.line) + ": " + sentence);
+        throw fail::Failure(VDNA_ERR_FORMAT, file_.string() + ":" +
+                                                 std::to_string(where.begin.line) + ": " +
+                                                 sentence);
     }
 
   private:
@@ -192,7 +194,7 @@ Input Reader::input(const toml::table &table) const
         refuse(table.get("std")->source(), "'std' is divided by: its numbers must be above 0");
     choice(table, "resize", {"stretch"});
     input.interpolation =
-        static_cast<Interpolation>(choice(table, "interpolation", interpolation_names));
+        static_cast<picture::Interpolation>(choice(table, "interpolation", interpolation_names));
     return input;
 }
 

@@ -9,12 +9,10 @@
 
 #include <vdna/activation.h>
 
+#include "picture/resample.hpp"
+
 namespace vdna::backbone
 {
-
-// In the order of interpolation_names. pillow_bicubic: as Python's Pillow, to the last bit; the
-// others: as OpenCV.
-enum class Interpolation { area, linear, cubic, pillow_bicubic };
 
 // What becomes of a picture before the network sees it.
 struct Input {
@@ -23,7 +21,7 @@ struct Input {
     bool bgr;                   // channel order of the network, and of `mean` and `std`
     std::array<double, 3> mean; // subtracted, in units of 0..255
     std::array<double, 3> std;  // then divided by, > 0
-    Interpolation interpolation;
+    picture::Interpolation interpolation;
 
     static constexpr uint32_t side_max = 4096;
 };

@@ -62,9 +62,10 @@ fs::path find_manifest(const std::string &wanted)
         looked += (looked.empty() ? "" : "; ") + directory.string() + " (has " +
                   names_in(directory) + ")";
     }
-    throw Failure(VDNA_ERR_IO, "no backbone is called '" + wanted + "'; looked in " + looked +
-                                   "; give one of these names, the path of a manifest, or set "
-                                   "VDNA_MODELS");
+    throw fail::Failure(VDNA_ERR_IO,
+                        "no backbone is called '" + wanted + "'; looked in " + looked +
+                            "; give one of these names, the path of a manifest, or set "
+                            "VDNA_MODELS");
 }
 
 } // namespace vdna::backbone

@@ -57,22 +57,23 @@ Model::Model(const std::filesystem::path &file, const std::string &sha256) : fil
     const Content content = content_of(file_);
     // A damaged model may well load and run: a third of them do.
     if (content.sha256 != sha256)
-        throw Failure(VDNA_ERR_CHECKSUM, name().string() + ": its SHA-256 is " + content.sha256 +
-                                             ", the manifest expects " + sha256 +
-                                             "; fetch the model again or correct the manifest");
+        throw fail::Failure(VDNA_ERR_CHECKSUM,
+                            name().string() + ": its SHA-256 is " + content.sha256 +
+                                ", the manifest expects " + sha256 +
+                                "; fetch the model again or correct the manifest");
     if (content.external_data)
-        throw Failure(VDNA_ERR_UNSUPPORTED,
-                      name().string() +
-                          ": keeps weights in another file, which the SHA-256 does not "
-                          "cover; save it as one file");
+        throw fail::Failure(VDNA_ERR_UNSUPPORTED,
+                            name().string() +
+                                ": keeps weights in another file, which the SHA-256 does not "
+                                "cover; save it as one file");
 }
 
 std::string Model::path() const
 {
     const std::string path = "/proc/self/fd/" + std::to_string(file_.descriptor());
     if (access(path.c_str(), R_OK) != 0)
-        throw Failure(VDNA_ERR_IO, name().string() + ": cannot be loaded through " + path + ": " +
-                                       std::strerror(errno) + "; mount /proc");
+        throw fail::Failure(VDNA_ERR_IO, name().string() + ": cannot be loaded through " + path +
+                                             ": " + std::strerror(errno) + "; mount /proc");
     return path;
 }
 

@@ -17,16 +17,16 @@ OpenFile::OpenFile(std::filesystem::path file, size_t limit)
         refused_by_system();
     // A directory, a pipe or a device has no size to trust.
     if (!S_ISREG(about_.st_mode))
-        throw Failure(VDNA_ERR_IO, name_.string() + ": is not a regular file");
+        throw fail::Failure(VDNA_ERR_IO, name_.string() + ": is not a regular file");
     if (size() > limit)
-        throw Failure(VDNA_ERR_FORMAT, name_.string() + ": has " + std::to_string(size()) +
-                                           " bytes; at most " + std::to_string(limit) +
-                                           " are expected");
+        throw fail::Failure(VDNA_ERR_FORMAT, name_.string() + ": has " + std::to_string(size()) +
+                                                 " bytes; at most " + std::to_string(limit) +
+                                                 " are expected");
 }
 
 void OpenFile::refused_by_system() const
 {
-    throw Failure(VDNA_ERR_IO, name_.string() + ": cannot be read: " + std::strerror(errno));
+    throw fail::Failure(VDNA_ERR_IO, name_.string() + ": cannot be read: " + std::strerror(errno));
 }
 
 size_t OpenFile::read(char *bytes, size_t room)
@@ -45,7 +45,8 @@ void OpenFile::require_unchanged() const
     // Any write sets the time of the last change, and nobody can set it back.
     if (now.st_ctim.tv_sec != about_.st_ctim.tv_sec ||
         now.st_ctim.tv_nsec != about_.st_ctim.tv_nsec)
-        throw Failure(VDNA_ERR_IO, name_.string() + ": changed while it was read; try it again");
+        throw fail::Failure(VDNA_ERR_IO,
+                            name_.string() + ": changed while it was read; try it again");
 }
 
 } // namespace vdna::backbone

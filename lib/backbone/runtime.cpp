@@ -46,8 +46,8 @@ void *load(const char *path)
             return library;
         tried += (tried.empty() ? "" : "; ") + std::string(dlerror());
     }
-    throw Failure(VDNA_ERR_RUNTIME, "ONNX Runtime cannot be loaded: " + tried +
-                                        "; set VDNA_ONNXRUNTIME to a libonnxruntime.so");
+    throw fail::Failure(VDNA_ERR_RUNTIME, "ONNX Runtime cannot be loaded: " + tried +
+                                              "; set VDNA_ONNXRUNTIME to a libonnxruntime.so");
 }
 
 } // namespace
@@ -58,13 +58,13 @@ Runtime::Runtime(const char *path)
     using GetApiBase = const OrtApiBase *(*)();
     const auto get_api_base = reinterpret_cast<GetApiBase>(dlsym(library, "OrtGetApiBase"));
     if (!get_api_base)
-        throw Failure(VDNA_ERR_RUNTIME, std::string(dlerror()) + "; this is no ONNX Runtime");
+        throw fail::Failure(VDNA_ERR_RUNTIME, std::string(dlerror()) + "; this is no ONNX Runtime");
     version_ = get_api_base()->GetVersionString();
     api_ = get_api_base()->GetApi(api_version);
     if (!api_)
-        throw Failure(VDNA_ERR_UNSUPPORTED, "ONNX Runtime " + version_ + " is too old: 1." +
-                                                std::to_string(api_version) +
-                                                " or later is needed");
+        throw fail::Failure(VDNA_ERR_UNSUPPORTED, "ONNX Runtime " + version_ + " is too old: 1." +
+                                                      std::to_string(api_version) +
+                                                      " or later is needed");
 }
 
 void Runtime::require(OrtStatus *status, const std::string &doing) const
@@ -73,7 +73,8 @@ void Runtime::require(OrtStatus *status, const std::string &doing) const
         return;
     const std::string reason = api_->GetErrorMessage(status);
     api_->ReleaseStatus(status);
-    throw Failure(VDNA_ERR_RUNTIME, "ONNX Runtime " + version_ + ": " + doing + ": " + reason);
+    throw fail::Failure(VDNA_ERR_RUNTIME,
+                        "ONNX Runtime " + version_ + ": " + doing + ": " + reason);
 }
 
 } // namespace vdna::backbone

@@ -66,8 +66,8 @@ Session::Session(const Runtime &runtime, const Manifest &manifest, const Model &
     wanted.push_back(manifest.embedding);
     for (const std::string &output : wanted) {
         if (std::find(available.begin(), available.end(), output) == available.end())
-            throw Failure(VDNA_ERR_MISMATCH, manifest.model.string() + ": has no output '" +
-                                                 output + "'; it has: " + listed(available));
+            throw fail::Failure(VDNA_ERR_MISMATCH, manifest.model.string() + ": has no output '" +
+                                                       output + "'; it has: " + listed(available));
         request(output);
     }
     bind_outputs();
@@ -154,9 +154,9 @@ void Session::check_input(const Manifest &manifest) const
     const std::vector<std::string> names =
         model_names(api_.SessionGetInputCount, api_.SessionGetInputName);
     if (names != std::vector<std::string>{input_name_})
-        throw Failure(VDNA_ERR_MISMATCH, manifest.model.string() +
-                                             ": its inputs are: " + listed(names) +
-                                             "; the manifest expects only: " + input_name_);
+        throw fail::Failure(VDNA_ERR_MISMATCH, manifest.model.string() +
+                                                   ": its inputs are: " + listed(names) +
+                                                   "; the manifest expects only: " + input_name_);
 
     OrtTypeInfo *info = nullptr;
     runtime_.require(api_.SessionGetInputTypeInfo(session_.get(), 0, &info), "read the input");
@@ -170,10 +170,10 @@ void Session::check_input(const Manifest &manifest) const
     for (size_t d = 0; fits && d < type.shape.size(); d++)
         fits = type.shape[d] < 0 || type.shape[d] == input_shape_[d];
     if (!fits)
-        throw Failure(VDNA_ERR_MISMATCH, manifest.model.string() + ": input '" + input_name_ +
-                                             "' has shape " + shape_text(type.shape) +
-                                             "; the manifest expects floats, " +
-                                             shape_text(input_shape_));
+        throw fail::Failure(VDNA_ERR_MISMATCH, manifest.model.string() + ": input '" + input_name_ +
+                                                   "' has shape " + shape_text(type.shape) +
+                                                   "; the manifest expects floats, " +
+                                                   shape_text(input_shape_));
 }
 
 void Session::request(const std::string &output)
@@ -209,9 +209,9 @@ Output Session::observe(const std::string &output, const Manifest &manifest) con
                                          [](int64_t a, int64_t b) { return a * b; });
     if (type.element != ONNX_TENSOR_ELEMENT_DATA_TYPE_FLOAT || type.shape.size() < 2 ||
         type.shape[0] != 1 || size < 1 || size > UINT32_MAX)
-        throw Failure(VDNA_ERR_MISMATCH, manifest.model.string() + ": output '" + output +
-                                             "' has shape " + shape_text(type.shape) +
-                                             "; expected floats, 1xN or 1xNxM...");
+        throw fail::Failure(VDNA_ERR_MISMATCH, manifest.model.string() + ": output '" + output +
+                                                   "' has shape " + shape_text(type.shape) +
+                                                   "; expected floats, 1xN or 1xNxM...");
     float *values = nullptr;
     runtime_.require(api_.GetTensorMutableData(value, reinterpret_cast<void **>(&values)),
                      "read an output");

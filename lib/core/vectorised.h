@@ -1,6 +1,6 @@
 /* VDNA_VECTORISED before a function: where a loop is worth it, compile it once more for each of the
  * wider vectors of x86-64; the loader picks those that the processor has. The results are the same
- * bits. Private to the core. */
+ * bits. Private to lib/. */
 #ifndef VDNA_CORE_VECTORISED_H
 #define VDNA_CORE_VECTORISED_H
 
@@ -14,9 +14,15 @@
     !defined(__FRAMAC__)
 #define VDNA_VECTORISED \
     __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+/* The same for loops that need products of 32 bits or shuffles of bytes, which x86-64-v2 brings. */
+#define VDNA_VECTORISED_FROM_V2 \
+    __attribute__((target_clones("default", "arch=x86-64-v2", "arch=x86-64-v3", "arch=x86-64-v4")))
 #else
 #define VDNA_VECTORISED
 #endif
+#endif
+#ifndef VDNA_VECTORISED_FROM_V2
+#define VDNA_VECTORISED_FROM_V2 VDNA_VECTORISED
 #endif
 
 #endif

@@ -9,6 +9,8 @@
 
 #include <vdna/backbone.h>
 
+#include "picture/files/file_converter.hpp"
+
 // As explained in make_embeddings.py.
 static const float tolerance = 1e-3f;
 static const size_t picture_count = 4;
@@ -46,8 +48,9 @@ static float distance(vdna_backbone *backbone, const std::filesystem::path &file
                       const float *expected, size_t count)
 {
     const std::string bytes = file_bytes(file);
-    const vdna_image image = {
-        reinterpret_cast<const uint8_t *>(bytes.data()), bytes.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
+    vdna::picture::FileConverter converter;
+    const vdna_image image =
+        converter.convert(reinterpret_cast<const uint8_t *>(bytes.data()), bytes.size());
     vdna_error error;
     vdna_backbone_frame frame;
     if (vdna_backbone_run(backbone, &image, &error, &frame) != VDNA_OK)

@@ -94,12 +94,14 @@ VDNA_API void vdna_backbone_describe(const vdna_backbone *backbone, vdna_backbon
 
 /** Run one picture.
  *  @param backbone  an open one
- *  @param image  any content; checked in full before a byte of it is used
+ *  @param image  any content; checked in full before a byte of it is used; decoded as
+ *                vdna_decoder_decode() does
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_frame  borrowed until the next call with this backbone
  *  @return VDNA_OK; VDNA_ERR_FORMAT if the picture cannot be decoded; VDNA_ERR_UNSUPPORTED for an
- *          unknown pixel format or a picture too large; VDNA_ERR_NONFINITE if the network gave a
- *          NaN or an infinity; VDNA_ERR_RUNTIME, also after vdna_backbone_cancel() */
+ *          unknown pixel format, an encoded picture that is no JPEG, or a picture too large;
+ *          VDNA_ERR_NONFINITE if the network gave a NaN or an infinity; VDNA_ERR_RUNTIME, also
+ *          after vdna_backbone_cancel() */
 VDNA_API vdna_status vdna_backbone_run(vdna_backbone *backbone, const vdna_image *image,
                                        vdna_error *error, vdna_backbone_frame *out_frame);
 

@@ -11,7 +11,7 @@
 #define VDNA_FOURCC(a, b, c, d) \
     ((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
 
-#define VDNA_PIXEL_ENCODED 0u /**< a JPEG, PNG, ... file; size from within */
+#define VDNA_PIXEL_ENCODED 0u /**< a file, told by its first bytes; size from within */
 #define VDNA_PIXEL_MJPG VDNA_FOURCC('M', 'J', 'P', 'G') /**< one JPEG picture */
 #define VDNA_PIXEL_GREY VDNA_FOURCC('G', 'R', 'E', 'Y') /**< 8-bit grey */
 #define VDNA_PIXEL_RGB3 VDNA_FOURCC('R', 'G', 'B', '3') /**< 24-bit R, G, B */

@@ -14,21 +14,24 @@ ROOMS = {
     "lib/fail": (2, ["lib/core"]),
     "lib/baseline": (2, ["lib/core"]),
     "lib/identity": (3, ["lib/core", "lib/fail"]),
+    "lib/picture": (3, ["lib/core", "lib/fail"]),
     "lib/replace": (3, ["lib/core", "lib/fail"]),
-    "lib/backbone": (4, ["lib/core", "lib/fail", "lib/identity"]),
+    "lib/backbone": (4, ["lib/core", "lib/fail", "lib/identity", "lib/picture"]),
     "lib/map": (4, ["lib/core", "lib/fail", "lib/identity", "lib/replace"]),
     "lib/select": (3, ["lib/core"]),
     "lib/transport": (3, ["lib/core", "lib/fail"]),
     "lib/cpp": (5, ["lib/core", "lib/backbone", "lib/identity", "lib/map", "lib/select", "lib/transport"]),
     "apps/program": (6, ["lib/cpp", "lib/replace"]),
-    "apps/frames": (7, ["apps/program", "lib/core", "lib/cpp", "lib/transport"]),
+    "apps/frames": (7, ["apps/program", "lib/core", "lib/cpp", "lib/fail", "lib/picture",
+                        "lib/transport"]),
     "apps/simulate": (7, ["apps/program", "lib/cpp"]),
     "apps/telemetry": (7, ["apps/program", "lib/transport"]),
     "apps/record": (8, ["apps/frames", "apps/program", "lib/backbone", "lib/core", "lib/cpp",
                         "lib/map", "lib/select"]),
     "apps/eval": (9, ["apps/frames", "apps/program", "apps/record", "lib/backbone", "lib/baseline",
                       "lib/core", "lib/cpp"]),
-    "apps/report": (10, ["apps/eval", "apps/frames", "apps/program", "apps/record", "lib/core"]),
+    "apps/report": (10, ["apps/eval", "apps/frames", "apps/program", "apps/record", "lib/core",
+                         "lib/picture"]),
     "apps/vdna": (11, ["apps/eval", "apps/frames", "apps/program", "apps/record", "apps/report",
                        "apps/simulate", "apps/telemetry", "lib/core", "lib/cpp", "lib/transport"]),
     "apps/selectord": (11, ["apps/program", "lib/backbone", "lib/core", "lib/cpp", "lib/map",
@@ -55,11 +58,12 @@ def room_of_public(name):
 
 
 def room_of_private(root, file, name):
-    """The room of a quoted include: beside the file, apps/ROOM/FILE or the one lib/*/FILE."""
+    """The room of a quoted include: beside the file, {apps,lib}/ROOM/FILE or the one lib/*/FILE."""
     if (file.parent / name).is_file():
         return None
-    if (root / "apps" / name).is_file():
-        return "apps/" + name.split("/")[0]
+    for part in ("apps", "lib"):
+        if (root / part / name).is_file():
+            return part + "/" + name.split("/")[0]
     found = [path for path in root.glob("lib/*/" + name)]
     return str(found[0].parent.relative_to(root)) if found else None
 

@@ -6,6 +6,7 @@
 #include "manifest.hpp"
 #include "manifest_path.hpp"
 
+using namespace vdna;
 using namespace vdna::backbone;
 
 static const char *const whole = R"(name = "tiny"
@@ -33,13 +34,13 @@ output = "map"
 l2_normalise = true
 )";
 
-// The text of the Failure that reading `text` as a manifest gives; its status must be `status`.
+// The text of the vdna::fail::Failure that reading `text` as a manifest gives; its status must be `status`.
 static std::string failure_of(const std::string &text, vdna_status status = VDNA_ERR_FORMAT)
 {
     const Folder folder;
     try {
         read_manifest(folder.write("m.toml", text));
-    } catch (const Failure &failure) {
+    } catch (const vdna::fail::Failure &failure) {
         assert_int_equal(failure.status(), status);
         return failure.what();
     }
@@ -68,7 +69,7 @@ static void every_field_is_read(void **)
     assert_true(manifest.input.bgr);
     assert_true(manifest.input.mean[1] == 116.28 && manifest.input.mean[2] == 0.0);
     assert_true(manifest.input.std[2] == 0.1);
-    assert_true(manifest.input.interpolation == Interpolation::cubic);
+    assert_true(manifest.input.interpolation == picture::Interpolation::cubic);
     assert_int_equal(manifest.taps.size(), 2);
     assert_string_equal(manifest.taps[1].output.c_str(), "map");
     assert_int_equal(manifest.taps[1].layout, VDNA_LAYOUT_NEURONS_SAMPLES);
@@ -162,7 +163,7 @@ static void what_is_no_file_cannot_be_read(void **)
         try {
             read_manifest(folder.path() / name);
             fail_msg("'%s' was read", name);
-        } catch (const Failure &failure) {
+        } catch (const vdna::fail::Failure &failure) {
             assert_int_equal(failure.status(), VDNA_ERR_IO);
         }
 }
@@ -179,7 +180,7 @@ static void a_bare_name_is_looked_up_and_a_path_is_not(void **)
     try {
         find_manifest("absent");
         fail_msg("%s", "'absent' was found");
-    } catch (const Failure &failure) {
+    } catch (const vdna::fail::Failure &failure) {
         const std::string text = failure.what();
         assert_int_equal(failure.status(), VDNA_ERR_IO);
         assert_true(text.find(folder.path().string() + " (has other, tiny)") != std::string::npos);

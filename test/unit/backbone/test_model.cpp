@@ -20,13 +20,13 @@ static std::string sha256_of(const std::string &bytes)
     return SHA256Data(reinterpret_cast<const uint8_t *>(bytes.data()), bytes.size(), text);
 }
 
-// `body` throws a Failure with `status`, and its sentence holds `words`.
+// `body` throws a vdna::fail::Failure with `status`, and its sentence holds `words`.
 template <class Body>
 static void assert_refused(vdna_status status, const std::string &words, Body body)
 {
     try {
         body();
-    } catch (const Failure &failure) {
+    } catch (const vdna::fail::Failure &failure) {
         if (std::string(failure.what()).find(words) == std::string::npos)
             fail_msg("expected: %s; found: %s", words.c_str(), failure.what());
         assert_int_equal(failure.status(), status);
@@ -118,7 +118,7 @@ static int load_without_proc(const std::filesystem::path &file)
         return 2;
     try {
         model.path();
-    } catch (const Failure &failure) {
+    } catch (const vdna::fail::Failure &failure) {
         return std::string(failure.what()).find("mount /proc") == std::string::npos;
     }
     return 1;

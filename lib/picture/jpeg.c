@@ -93,6 +93,12 @@ static int attempt(jpeg_reader *reader, void (*step)(jpeg_reader *))
 }
 
 /* see jpeg.h */
+int vdna_jpeg_begins(const uint8_t *data, size_t size)
+{
+    return size >= 3 && data[0] == 0xFF && data[1] == 0xD8 && data[2] == 0xFF;
+}
+
+/* see jpeg.h */
 int vdna_jpeg_size(const uint8_t *data, size_t size, uint32_t *out_width, uint32_t *out_height,
                    char *reason)
 {

@@ -1,4 +1,4 @@
-#include "picture_size.hpp"
+#include "picture/files/header.hpp"
 
 #include <cctype>
 #include <cstring>
@@ -7,9 +7,8 @@
 #include <vdna/image.h>
 
 #include "failure.hpp"
-#include "jpeg.h"
 
-namespace vdna::backbone
+namespace vdna::picture
 {
 
 namespace
@@ -17,7 +16,7 @@ namespace
 
 [[noreturn]] void damaged(const char *what)
 {
-    throw Failure(VDNA_ERR_FORMAT, std::string("encoded picture: ") + what);
+    throw fail::Failure(VDNA_ERR_FORMAT, std::string("encoded picture: ") + what);
 }
 
 // Bounds-checked numbers out of a header.
@@ -42,50 +41,39 @@ class Header
     uint32_t le32(size_t at) const { return le16(at) | le16(at + 2) << 16; }
     uint32_t be16(size_t at) const { return byte(at) << 8 | byte(at + 1); }
     uint32_t be32(size_t at) const { return be16(at) << 16 | be16(at + 2); }
-    const uint8_t *data() const { return data_; }
-    size_t size() const { return size_; }
 
   private:
     const uint8_t *data_;
     size_t size_;
 };
 
-EncodedPicture jpeg(const Header &header)
-{
-    EncodedPicture picture{Encoding::jpeg, 0, 0};
-    char reason[VDNA_JPEG_REASON_MAX];
-    if (!vdna_jpeg_size(header.data(), header.size(), &picture.width, &picture.height, reason))
-        damaged(reason);
-    return picture;
-}
-
-EncodedPicture png(const Header &header)
+Sides png(const Header &header)
 {
     if (!header.has(12, "IHDR"))
         damaged("a PNG file must begin with IHDR");
-    return {Encoding::png, header.be32(16), header.be32(20)};
+    return {header.be32(16), header.be32(20)};
 }
 
-EncodedPicture webp(const Header &header)
+Sides webp(const Header &header)
 {
     if (header.has(12, "VP8X"))
-        return {Encoding::webp, header.le24(24) + 1, header.le24(27) + 1};
+        return {header.le24(24) + 1, header.le24(27) + 1};
     if (header.has(12, "VP8L")) {
         const uint32_t bits = header.le32(21); // two 14-bit numbers, each less 1
-        return {Encoding::webp, (bits & 0x3fff) + 1, (bits >> 14 & 0x3fff) + 1};
+        return {(bits & 0x3fff) + 1, (bits >> 14 & 0x3fff) + 1};
     }
     if (!header.has(12, "VP8 ") || !header.has(23, "\x9d\x01\x2a"))
         damaged("a WebP file must hold VP8, VP8L or VP8X");
-    return {Encoding::webp, header.le16(26) & 0x3fff, header.le16(28) & 0x3fff};
+    return {header.le16(26) & 0x3fff, header.le16(28) & 0x3fff};
 }
 
-EncodedPicture bmp(const Header &header)
+Sides bmp(const Header &header)
 {
     constexpr uint32_t oldest = 12; // bytes of the OS/2 header, with 16-bit sides
     if (header.le32(14) == oldest)
-        return {Encoding::bmp, header.le16(18), header.le16(20)};
+        return {header.le16(18), header.le16(20)};
     const uint32_t height = header.le32(22); // negative: top row first
-    return {Encoding::bmp, header.le32(18), height >> 31 ? 0u - height : height};
+    return {header.le32(18), height >> 31 ? 0u - height : height};
 }
 
 // The number at `at`, after white space and comments; `at` moves behind it.
@@ -104,21 +92,21 @@ uint32_t pnm_number(const Header &header, size_t &at)
     return number;
 }
 
-EncodedPicture pnm(const Header &header)
+Sides pnm(const Header &header)
 {
     size_t at = 2;
     const uint32_t width = pnm_number(header, at);
-    return {Encoding::pnm, width, pnm_number(header, at)};
+    return {width, pnm_number(header, at)};
 }
 
 // The first directory of a TIFF file. Tiles are allocated whole, so they count as the picture does.
-EncodedPicture tiff(const Header &header)
+Sides tiff(const Header &header)
 {
     const bool little = header.has(0, "II");
     const auto u16 = [&](size_t at) { return little ? header.le16(at) : header.be16(at); };
     const auto u32 = [&](size_t at) { return little ? header.le32(at) : header.be32(at); };
 
-    EncodedPicture picture{Encoding::tiff, 0, 0};
+    Sides picture{0, 0};
     uint32_t tile_width = 0, tile_height = 0;
     const size_t directory = u32(4);
     const uint32_t entries = u16(directory);
@@ -145,17 +133,16 @@ EncodedPicture tiff(const Header &header)
     }
     if (tile_width > VDNA_IMAGE_SIDE_MAX || tile_height > VDNA_IMAGE_SIDE_MAX ||
         tile_width * tile_height > VDNA_IMAGE_PIXELS_MAX)
-        throw Failure(VDNA_ERR_UNSUPPORTED, "encoded picture: a TIFF file with tiles too large");
+        throw fail::Failure(VDNA_ERR_UNSUPPORTED,
+                            "encoded picture: a TIFF file with tiles too large");
     return picture;
 }
 
 } // namespace
 
-EncodedPicture inspect_picture(const uint8_t *data, size_t size)
+Sides read_sides(const uint8_t *data, size_t size)
 {
     const Header header(data, size);
-    if (header.has(0, "\xff\xd8\xff"))
-        return jpeg(header);
     if (header.has(0, "\x89PNG\r\n\x1a\n"))
         return png(header);
     if (header.has(0, "RIFF") && header.has(8, "WEBP"))
@@ -167,8 +154,8 @@ EncodedPicture inspect_picture(const uint8_t *data, size_t size)
     using namespace std::string_view_literals;
     if (header.has(0, "II*\0"sv) || header.has(0, "MM\0*"sv))
         return tiff(header);
-    throw Failure(VDNA_ERR_UNSUPPORTED,
-                  "encoded picture: is no JPEG, PNG, WebP, BMP, PNM or TIFF file");
+    throw fail::Failure(VDNA_ERR_UNSUPPORTED,
+                        "encoded picture: is no JPEG, PNG, WebP, BMP, PNM or TIFF file");
 }
 
-} // namespace vdna::backbone
+} // namespace vdna::picture

@@ -1,5 +1,5 @@
-/* JPEG pictures by libjpeg itself: OpenCV decodes damaged ones, fills the hole with grey, and tells
- * only stderr. Here a picture is decoded completely or refused. */
+/* JPEG pictures, decoded completely or refused: libjpeg alone would fill the hole of a damaged one
+ * with grey, and tell only stderr. */
 #ifndef VDNA_JPEG_H
 #define VDNA_JPEG_H
 
@@ -12,6 +12,9 @@ extern "C" {
 
 /* Room for libjpeg's reason to refuse a picture. */
 #define VDNA_JPEG_REASON_MAX 200
+
+/* Does a JPEG picture begin here? 1 or 0. */
+int vdna_jpeg_begins(const uint8_t *data, size_t size);
 
 /* Read width and height, in pixels. Returns 1, or 0 with `reason` filled. */
 int vdna_jpeg_size(const uint8_t *data, size_t size, uint32_t *out_width, uint32_t *out_height,

@@ -1,0 +1,16 @@
+// Frames of any source as a camera would send them.
+#pragma once
+
+#include <string>
+
+#include "picture/files/file_converter.hpp"
+
+namespace vdna::frames
+{
+
+// An encoded picture converted, any other as it is. name: of the frame, for people.
+// Borrowed from `image` or, until its next use, from `converter`. Throws BadFrame.
+vdna_image camera_image(const vdna_image &image, const std::string &name,
+                        picture::FileConverter &converter);
+
+} // namespace vdna::frames

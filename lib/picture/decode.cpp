@@ -1,0 +1,192 @@
+#include "decode.hpp"
+
+#include <cctype>
+#include <string>
+
+#include "failure.hpp"
+#include "jpeg.h"
+#include "limits.hpp"
+#include "yuv.hpp"
+
+namespace vdna::picture
+{
+
+namespace
+{
+
+constexpr uint32_t bgr_channels = 3;
+
+std::string fourcc_text(uint32_t pixelformat)
+{
+    std::string text;
+    for (int shift = 0; shift < 32; shift += 8) {
+        const auto letter = static_cast<unsigned char>(pixelformat >> shift);
+        text += std::isprint(letter) ? static_cast<char>(letter) : '?';
+    }
+    return text;
+}
+
+[[noreturn]] void refuse_layout(const vdna_image &image, const std::string &expected)
+{
+    throw fail::Failure(VDNA_ERR_FORMAT,
+                        "picture: " + fourcc_text(image.pixelformat) + " " +
+                            std::to_string(image.width) + "x" + std::to_string(image.height) +
+                            ", row stride " + std::to_string(image.row_stride) + ", " +
+                            std::to_string(image.size) + " bytes: expected " + expected);
+}
+
+// Bytes from row to row, checked against what a row needs.
+size_t stride_of(const vdna_image &image, size_t row_bytes)
+{
+    if (image.row_stride == 0)
+        return row_bytes;
+    if (image.row_stride < row_bytes)
+        refuse_layout(image, "at least " + std::to_string(row_bytes) + " bytes a row");
+    return image.row_stride;
+}
+
+void need_bytes(const vdna_image &image, size_t bytes)
+{
+    if (image.size < bytes)
+        refuse_layout(image, "at least " + std::to_string(bytes) + " bytes");
+}
+
+// Rows of packed pixels, the last of which may end at its last pixel. Returns the stride.
+size_t check_packed(const vdna_image &image, size_t row_bytes)
+{
+    const size_t stride = stride_of(image, row_bytes);
+    need_bytes(image, stride * (image.height - 1) + row_bytes);
+    return stride;
+}
+
+void require_jpeg(const vdna_image &image)
+{
+    if (vdna_jpeg_begins(image.data, image.size))
+        return;
+    if (image.pixelformat == VDNA_PIXEL_MJPG)
+        throw fail::Failure(VDNA_ERR_FORMAT, "picture: MJPG must hold a JPEG picture");
+    throw fail::Failure(
+        VDNA_ERR_UNSUPPORTED,
+        "picture: is encoded, but no JPEG; expected JPEG or a camera's pixel format; decode "
+        "it first and hand over its pixels as BGR3");
+}
+
+} // namespace
+
+Decoder::Decoder(uint32_t max_pixels)
+    // Not initialised: pages that no picture has needed yet are not resident.
+    : max_pixels_(max_pixels), bgr_(new uint8_t[size_t{bgr_channels} * max_pixels])
+{
+}
+
+uint64_t Decoder::bytes_max(uint32_t max_pixels)
+{
+    // libjpeg keeps all coefficients of a progressive picture, two bytes each for up to three
+    // components, whose sides it rounds up to whole blocks of at most 32 pixels; else a few rows.
+    constexpr uint64_t block = 32, components = 3, row_bytes = 4u << 20;
+    const uint64_t edge = VDNA_IMAGE_SIDE_MAX + max_pixels / VDNA_IMAGE_SIDE_MAX + block;
+    const uint64_t padded = max_pixels + block * edge;
+    return bgr_channels * uint64_t{max_pixels} + 2 * components * padded + row_bytes;
+}
+
+vdna_pixels Decoder::decode(const vdna_image &image)
+{
+    if (!image.data || image.size == 0)
+        throw fail::Failure(VDNA_ERR_FORMAT, "picture: has no bytes");
+    switch (image.pixelformat) {
+    case VDNA_PIXEL_ENCODED:
+    case VDNA_PIXEL_MJPG:
+        return encoded(image);
+    case VDNA_PIXEL_GREY:
+        return packed(image, 1, false);
+    case VDNA_PIXEL_RGB3:
+        return packed(image, 3, false);
+    case VDNA_PIXEL_BGR3:
+        return packed(image, 3, true);
+    case VDNA_PIXEL_RGB4:
+        return packed(image, 4, false);
+    case VDNA_PIXEL_BGR4:
+        return packed(image, 4, true);
+    case VDNA_PIXEL_YUYV:
+    case VDNA_PIXEL_UYVY:
+        return yuv422(image);
+    case VDNA_PIXEL_I420:
+    case VDNA_PIXEL_YU12:
+    case VDNA_PIXEL_NV12:
+        return yuv420(image);
+    default:
+        throw fail::Failure(
+            VDNA_ERR_UNSUPPORTED,
+            "picture: unknown pixel format '" + fourcc_text(image.pixelformat) +
+                "'; expected MJPG, GREY, RGB3, BGR3, RGB4, BGR4, YUYV, UYVY, I420, YU12 "
+                "or NV12");
+    }
+}
+
+vdna_pixels Decoder::own_bgr(uint32_t width, uint32_t height) const
+{
+    return {bgr_.get(), size_t{width} * bgr_channels, width, height, bgr_channels, {2, 1, 0}};
+}
+
+// Pixels that are used where they are.
+vdna_pixels Decoder::packed(const vdna_image &image, uint32_t channels, bool bgr) const
+{
+    check_sides(image.width, image.height, max_pixels_);
+    const size_t stride = check_packed(image, size_t{image.width} * channels);
+    vdna_pixels pixels = {image.data, stride, image.width, image.height, channels, {0, 0, 0}};
+    for (uint32_t c = 0; channels > 1 && c < 3; c++)
+        pixels.rgb[c] = bgr ? 2 - c : c;
+    return pixels;
+}
+
+vdna_pixels Decoder::encoded(const vdna_image &image)
+{
+    require_jpeg(image);
+    char reason[VDNA_JPEG_REASON_MAX];
+    uint32_t width, height;
+    if (!vdna_jpeg_size(image.data, image.size, &width, &height, reason))
+        throw fail::Failure(VDNA_ERR_FORMAT, std::string("JPEG picture: ") + reason);
+    check_sides(width, height, max_pixels_);
+    const vdna_pixels pixels = own_bgr(width, height);
+    if (!vdna_jpeg_decode(image.data, image.size, bgr_.get(), pixels.stride, reason))
+        throw fail::Failure(VDNA_ERR_FORMAT, std::string("JPEG picture: ") + reason);
+    return pixels;
+}
+
+vdna_pixels Decoder::yuv422(const vdna_image &image)
+{
+    if (image.width % 2 != 0)
+        refuse_layout(image, "an even width");
+    check_sides(image.width, image.height, max_pixels_);
+    const size_t stride = check_packed(image, size_t{2} * image.width);
+    const auto convert = image.pixelformat == VDNA_PIXEL_YUYV ? yuyv_to_bgr : uyvy_to_bgr;
+    const vdna_pixels pixels = own_bgr(image.width, image.height);
+    for (size_t y = 0; y < image.height; y++)
+        convert(image.data + y * stride, image.width, bgr_.get() + y * pixels.stride);
+    return pixels;
+}
+
+vdna_pixels Decoder::yuv420(const vdna_image &image)
+{
+    check_sides(image.width, image.height, max_pixels_);
+    const size_t stride = stride_of(image, image.width), rows = image.height;
+    if (image.width % 2 != 0 || rows % 2 != 0 || stride % 2 != 0)
+        refuse_layout(image, "an even width, height and row stride");
+    need_bytes(image, stride * (rows + rows / 2));
+
+    const uint8_t *const chroma = image.data + stride * rows;
+    const uint8_t *const v_plane = chroma + stride / 2 * (rows / 2);
+    const vdna_pixels pixels = own_bgr(image.width, image.height);
+    for (size_t y = 0; y < rows; y++) {
+        const uint8_t *const luma = image.data + y * stride;
+        uint8_t *const out = bgr_.get() + y * pixels.stride;
+        if (image.pixelformat == VDNA_PIXEL_NV12)
+            nv12_to_bgr(luma, chroma + y / 2 * stride, image.width, out);
+        else
+            i420_to_bgr(luma, chroma + y / 2 * (stride / 2), v_plane + y / 2 * (stride / 2),
+                        image.width, out);
+    }
+    return pixels;
+}
+
+} // namespace vdna::picture

@@ -1,0 +1,35 @@
+// Pictures as cameras send them, to pixels in memory.
+#pragma once
+
+#include <memory>
+
+#include <vdna/picture.h>
+
+namespace vdna::picture
+{
+
+// Decodes one picture after the other into the same memory.
+class Decoder
+{
+  public:
+    // A picture of more than `max_pixels` pixels, 1..VDNA_IMAGE_PIXELS_MAX, is refused.
+    explicit Decoder(uint32_t max_pixels = VDNA_IMAGE_PIXELS_MAX);
+
+    // see vdna_decoder_bytes_max()
+    static uint64_t bytes_max(uint32_t max_pixels);
+
+    // see vdna_decoder_decode(). Throws Failure.
+    vdna_pixels decode(const vdna_image &image);
+
+  private:
+    vdna_pixels packed(const vdna_image &image, uint32_t channels, bool bgr) const;
+    vdna_pixels encoded(const vdna_image &image);
+    vdna_pixels yuv422(const vdna_image &image);
+    vdna_pixels yuv420(const vdna_image &image);
+    vdna_pixels own_bgr(uint32_t width, uint32_t height) const;
+
+    uint32_t max_pixels_;
+    std::unique_ptr<uint8_t[]> bgr_; // 3 * max_pixels_ bytes
+};
+
+} // namespace vdna::picture

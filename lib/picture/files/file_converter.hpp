@@ -1,0 +1,32 @@
+// Picture files to pictures as a camera sends them.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include <vdna/image.h>
+
+namespace vdna::picture
+{
+
+// Converts one file after the other.
+class FileConverter
+{
+  public:
+    // The bytes of a JPEG, PNG, WebP, BMP, PNM or TIFF file as a picture in a camera's format: a
+    // JPEG file as it is, as MJPG; any other decoded, as BGR3. So a folder of pictures, a log of
+    // them as camera messages and the robot's own camera go through one decoder.
+    //  - width and height are read from the header before anything is allocated for them, and are
+    //    limited by VDNA_IMAGE_SIDE_MAX and VDNA_IMAGE_PIXELS_MAX;
+    //  - an orientation in EXIF is not applied, because a camera's frames have none;
+    //  - transparency is dropped, and grey becomes colour;
+    //  - 16-bit channels keep their upper 8 bits; those of TIFF are divided by 257, by libtiff.
+    // The result is borrowed from `data` or, until the next call, from the converter.
+    // Throws Failure: VDNA_ERR_FORMAT for a damaged file, VDNA_ERR_UNSUPPORTED for one of another
+    // kind or one too large, VDNA_ERR_NOMEM. A damaged JPEG file is not found out here.
+    vdna_image convert(const uint8_t *data, size_t size);
+
+  private:
+    cv::Mat bgr_;
+};
+
+} // namespace vdna::picture
