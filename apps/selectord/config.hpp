@@ -13,7 +13,7 @@ namespace vdna::selectord
 // Every setting; the members hold the defaults.
 struct Config {
     std::string map_directory = "/var/lib/vdna/map";
-    std::string manifest = "efficientnet_lite0"; // bare name or path
+    std::string manifest = "efficientnet_lite0"; // bare name, or path of a .toml or a .so
     uint32_t threads = 2;
     std::string runtime;          // path of libonnxruntime.so; "" = found by itself
     uint32_t warmup_frames = 100; // 0 = by time

@@ -1,17 +1,17 @@
 // The C ABI of lib/backbone, with a network that can be checked by hand and with a real one.
-#include <cmocka.hpp>
-#include <folder.hpp>
-
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <thread>
+#include <vector>
+
+#include <cmocka.hpp>
+#include <folder.hpp>
 #include <sha2.h>
 #include <sys/wait.h>
-#include <thread>
 #include <unistd.h>
-#include <vector>
 
 #include <vdna/backbone.h>
 
