@@ -1,5 +1,5 @@
-# Debian packages, by `cmake --build build --target package`: libvdna0, libvdna-dev, and, where the
-# programs are built, vdna. What only a package has is excluded from `cmake --install`.
+# Debian packages, by `cmake --build build --target package`: libvdna0, libvdna-dev, and, where they are
+# built, libvdna-backbone0, libvdna-backbone-dev, vdna. What only a package has is excluded from `cmake --install`.
 # dpkg-shlibdeps knows the packages of this machine only.
 if(CMAKE_CROSSCOMPILING)
   return()
@@ -40,6 +40,22 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libvdna${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}), libmd-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "${about} the headers and the static library.")
+if(VDNA_BACKBONE)
+  list(APPEND CPACK_COMPONENTS_ALL backbone_runtime backbone_development)
+  set(CPACK_DEBIAN_BACKBONE_RUNTIME_PACKAGE_NAME libvdna-backbone${PROJECT_VERSION_MAJOR})
+  set(CPACK_DEBIAN_BACKBONE_RUNTIME_PACKAGE_SECTION libs)
+  configure_file("${debian}/shlibs-backbone.in" "${made}/backbone/shlibs" @ONLY)
+  set(CPACK_DEBIAN_BACKBONE_RUNTIME_PACKAGE_CONTROL_EXTRA "${debian}/triggers"
+    "${made}/backbone/shlibs")
+  set(CPACK_COMPONENT_BACKBONE_RUNTIME_DESCRIPTION
+    "${about} the shared library that runs networks, with\nONNX Runtime where that is, or as plug-ins.")
+  set(CPACK_DEBIAN_BACKBONE_DEVELOPMENT_PACKAGE_NAME libvdna-backbone-dev)
+  set(CPACK_DEBIAN_BACKBONE_DEVELOPMENT_PACKAGE_SECTION libdevel)
+  set(CPACK_DEBIAN_BACKBONE_DEVELOPMENT_PACKAGE_DEPENDS
+    "libvdna-backbone${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}), libvdna-dev (= ${PROJECT_VERSION})")
+  set(CPACK_COMPONENT_BACKBONE_DEVELOPMENT_DESCRIPTION
+    "${about} the headers of the library that runs networks.")
+endif()
 if(VDNA_APPS)
   list(APPEND CPACK_COMPONENTS_ALL programs)
   set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME vdna)
