@@ -1,7 +1,7 @@
 """Which recorded experience should a robot localise against now?
 
 The C library libvdna for NumPy: activation histograms ("Visual DNA"), the exact Earth Mover's
-Distance, ranking, nearest neighbours, the selector, and experience files.
+Distance, ranking, nearest neighbours, the selector, experience files, and the networks of the robot.
 
 Memory. Arrays go in without a copy when they have the stated dtype and are C-contiguous, and are
 converted otherwise. Arrays that come out are read-only views of the library's memory, which stays
@@ -19,6 +19,7 @@ Units. Distances of histograms are in bins; times are integers of microseconds.
 
 from ._library import Status, VdnaError, version
 from .activations import FeatureMap
+from .backbone import Backbone, BackboneFrame, BackboneInfo, NamedTap
 from .distance import RankEntry, emd, emd_mean, rank
 from .experience import Experience, open_map
 from .histogram import Histogram, HistogramView
@@ -31,12 +32,16 @@ __version__ = version()
 
 __all__ = [
     "Answer",
+    "Backbone",
+    "BackboneFrame",
+    "BackboneInfo",
     "Candidate",
     "Experience",
     "FeatureMap",
     "Histogram",
     "HistogramView",
     "Match",
+    "NamedTap",
     "Neighbours",
     "RankEntry",
     "Ranges",
