@@ -63,7 +63,7 @@ class Selector
 
   private:
     std::vector<vdna_select_candidate> candidates_;
-    std::vector<int64_t> memory_; // int64_t for its alignment
+    std::vector<int64_t> memory_;   // int64_t for its alignment
     vdna_select *select_ = nullptr; // in memory_
 };
 
