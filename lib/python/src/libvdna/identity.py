@@ -217,7 +217,7 @@ class Identity:
 
     @property
     def text(self) -> str:
-        """The canonical text of docs/SPEC-map.md."""
+        """The canonical text of docs/reference/SPEC-map.md."""
         text = create_string_buffer(_TEXT_SIZE)
         lib.vdna_identity_text(self._fields, text)
         return text.value.decode()
