@@ -35,11 +35,11 @@ typedef struct vdna_backbone_config {
     uint32_t reserved;    /**< 0 */
     const char *manifest; /**< path of a TOML manifest (with a '/' or ending in ".toml"; paths
                                within it are relative to it), or the bare name of one in
-                               $VDNA_MODELS, the running program's installation, the directory given
-                               at build time, or the system's */
+                               $VDNA_MODELS, the running program's installation (share/vdna/models
+                               beside its bin) or /usr/share/vdna/models */
     const char *runtime;  /**< path of libonnxruntime.so; NULL = $VDNA_ONNXRUNTIME, then that of
-                               the running program's installation, then the path given at build
-                               time, then the system's (default) */
+                               the running program's installation (lib/vdna beside its bin), then
+                               the system's (default) */
 } vdna_backbone_config;
 
 /** What an open network is. */
