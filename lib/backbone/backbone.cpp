@@ -34,14 +34,12 @@ struct vdna_backbone {
 namespace
 {
 
-constexpr uint32_t threads_default = 2;
-constexpr uint32_t threads_max = 256;
 constexpr size_t oldest_config = sizeof(vdna_backbone_config); // in version 0.1
 
 vdna_backbone_config default_config()
 {
     vdna_backbone_config config{};
-    config.threads = threads_default;
+    config.threads = VDNA_BACKBONE_THREADS_DEFAULT;
     config.max_pixels = VDNA_IMAGE_PIXELS_MAX;
     return config;
 }
@@ -50,12 +48,13 @@ vdna_backbone_config read_config(const vdna_backbone_config *config)
 {
     vdna_backbone_config known = default_config();
     if (!vdna_config_read(config, oldest_config, &known, sizeof known) || known.threads < 1 ||
-        known.threads > threads_max || known.max_pixels < 1 ||
+        known.threads > VDNA_BACKBONE_THREADS_MAX || known.max_pixels < 1 ||
         known.max_pixels > VDNA_IMAGE_PIXELS_MAX)
-        throw fail::Failure(VDNA_ERR_ARG,
-                            "vdna_backbone_open: a configuration with 1 to " +
-                                std::to_string(threads_max) + " threads and pictures of 1 to " +
-                                std::to_string(VDNA_IMAGE_PIXELS_MAX) + " pixels is expected");
+        throw fail::Failure(VDNA_ERR_ARG, "vdna_backbone_open: a configuration with 1 to " +
+                                              std::to_string(VDNA_BACKBONE_THREADS_MAX) +
+                                              " threads and pictures of 1 to " +
+                                              std::to_string(VDNA_IMAGE_PIXELS_MAX) +
+                                              " pixels is expected");
     known.struct_size = sizeof known;
     return known;
 }

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <future>
 #include <memory>
 #include <string>
 #include <vector>
@@ -114,6 +115,13 @@ void fill_info(OnnxBackbone &backbone, const Manifest &manifest, uint32_t max_pi
     info.decode_bytes = vdna_decoder_bytes_max(max_pixels);
 }
 
+// Hashing the model takes about as long as ONNX Runtime needs to start, and a robot waits for both.
+std::future<Model> check_meanwhile(const Manifest &manifest)
+{
+    return std::async(std::launch::async,
+                      [&manifest] { return Model(manifest.model, manifest.sha256); });
+}
+
 void l2_normalise(std::vector<float> &values)
 {
     double square = 0.0;
@@ -141,7 +149,7 @@ uint32_t elapsed_us(Clock::time_point begin, Clock::time_point end)
 
 OnnxBackbone::OnnxBackbone(const Manifest &manifest, const vdna_backbone_config &config)
     : runtime(config.runtime),
-      session(runtime, manifest, Model(manifest.model, manifest.sha256), config.threads),
+      session(runtime, manifest, check_meanwhile(manifest), config.threads),
       decoder(config.max_pixels), preprocessor(manifest.input), l2_normalise(manifest.l2_normalise),
       embedding(session.embedding().size)
 {

@@ -30,6 +30,13 @@ endfunction()
 # find_package(vdna) gives vdna::vdna (shared) and vdna::static; with the component backbone also
 # vdna::backbone.
 vdna_install_library("vdna_shared;vdna_static" "")
+# CMake strips no static library.
+install(CODE "
+  if(CMAKE_INSTALL_DO_STRIP)
+    execute_process(COMMAND \"${CMAKE_STRIP}\" --strip-debug
+      \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:vdna_static>\"
+      COMMAND_ERROR_IS_FATAL ANY)
+  endif()" COMPONENT development)
 # Before 1.0 a minor version may change the API.
 write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/vdna-config-version.cmake"
   COMPATIBILITY SameMinorVersion)

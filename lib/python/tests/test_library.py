@@ -30,6 +30,7 @@ STRUCTS = {
     "vdna_select_frame": _library.SelectFrame,
     "vdna_select_answer": _library.SelectAnswer,
     "vdna_identity": _library.IdentityFields,
+    "vdna_tap": _library.TapFields,
     "vdna_experience": _library.ExperienceFile,
     "vdna_image": _library.Image,
     "vdna_backbone_config": _library.BackboneConfig,

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ._arrays import integer, view
 from ._library import Activations, BackboneConfig, BackboneFields, BackboneOutput, Error, Image
 from ._library import Status, VdnaError, backbone_lib
+from .identity import Identity, parse_taps
 
 Picture = Union[NDArray[np.uint8], bytes, bytearray, memoryview]
 """uint8 [height][width] (grey) or [height][width][3] (red, green, blue), or the bytes of a JPEG."""
@@ -28,22 +29,10 @@ _PIXELS_MAX = 67108864
 
 
 class BackboneInfo(NamedTuple):
-    """What a network is; an Experience that is made with it takes the first five."""
+    """What a network is."""
 
-    backbone: str
-    """Name in the network's manifest."""
-    model_sha256: str
-    """Of the ONNX file."""
-    preprocessing: str
-    """Everything that shapes the network's input."""
-    precision: str
-    """Of its arithmetic: "fp32" or "int8"."""
-    taps: str
-    """"NAME:NEURONS:SAMPLES[,...]" in the order of the neurons."""
-    neurons: int
-    """Of all taps."""
-    dim: int
-    """Numbers in an embedding."""
+    identity: Identity
+    """What experiences that are made with it carry; bins and range are not known."""
     input_size: Optional[Tuple[int, int]]
     """Width and height of the network's input; None if a plug-in does not show that."""
     runtime: str
@@ -54,7 +43,7 @@ class NamedTap(NamedTuple):
     """The activations of one tap."""
 
     name: str
-    """As in BackboneInfo.taps."""
+    """As in the taps of the identity."""
     values: NDArray[np.float32]
     """float32 [samples][neurons], as Histogram.add() takes them."""
 
@@ -114,7 +103,13 @@ class Backbone:
             raise
         fields = BackboneFields()
         self._library.vdna_backbone_describe(self._handle, fields)
-        self._info = _info_of(fields)
+        size = (fields.input_width, fields.input_height)
+        self._info = BackboneInfo(
+            Identity._over(fields, fields.identity),
+            size if size[0] > 0 else None,
+            fields.runtime.decode("utf-8", "replace"),
+        )
+        self._tap_names = [tap.name for tap in parse_taps(self._info.identity.taps)]
 
     @property
     def info(self) -> BackboneInfo:
@@ -133,10 +128,9 @@ class Backbone:
         output = BackboneOutput()
         self._library.vdna_backbone_run(self._handle, image, Error(), output)
         del pixels  # until here the library read them
-        names = [text.rsplit(":", 2)[0] for text in self._info.taps.split(",")]
         taps = output.taps[: output.tap_count]
         return BackboneFrame(
-            [NamedTap(name, _values_of(tap)) for name, tap in zip(names, taps)],
+            [NamedTap(name, _values_of(tap)) for name, tap in zip(self._tap_names, taps)],
             view(self, output.embedding, (output.dim,), np.float32).copy(),
             float(output.grey),
         )
@@ -179,22 +173,6 @@ def _runtime_of_package() -> Optional[bytes]:
         for path in sorted(glob.glob(os.path.join(glob.escape(folder), "capi/libonnxruntime.so*"))):
             return os.fsencode(path)
     return None
-
-
-def _info_of(fields: BackboneFields) -> BackboneInfo:
-    identity = fields.identity
-    size = (fields.input_width, fields.input_height)
-    return BackboneInfo(
-        identity.backbone.decode(),
-        identity.model_sha256.decode(),
-        identity.preprocessing.decode(),
-        identity.precision.decode() or "fp32",
-        identity.taps.decode(),
-        identity.neurons,
-        identity.dim,
-        size if size[0] > 0 else None,
-        fields.runtime.decode("utf-8", "replace"),
-    )
 
 
 def _image_of(picture: Picture) -> Tuple[NDArray[np.uint8], Image]:
