@@ -58,7 +58,10 @@ void describe(CLI::App &app, Options &options, Invocation &invocation)
     app.add_option("-c,--config", options.file, "Read settings from this TOML file")
         ->type_name("FILE");
     app.add_option("--map", options.map, "Directory of experience files")->type_name("DIR");
-    app.add_option("--backbone", options.backbone, "Network that the map was made with")
+    app.add_option(
+           "--backbone", options.backbone,
+           "Network that the map was made with: a name, or a path of a .toml or of a plug-in, "
+           "./libNAME.so")
         ->type_name("NAME|FILE");
     CLI::Option *frames =
         app.add_option("--warmup-frames", options.warmup_frames, "Choose after this many frames")

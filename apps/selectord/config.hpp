@@ -15,7 +15,7 @@ namespace vdna::selectord
 // Every setting; the members hold the defaults.
 struct Config {
     std::string map_directory = "/var/lib/vdna/map";
-    std::string manifest = VDNA_BACKBONE_DEFAULT; // bare name or path
+    std::string manifest = VDNA_BACKBONE_DEFAULT; // bare name, or path of a .toml or a .so
     uint32_t threads = VDNA_BACKBONE_THREADS_DEFAULT;
     std::string runtime; // path of libonnxruntime.so; "" = found by itself
     uint32_t warmup_frames = VDNA_WARMUP_FRAMES_DEFAULT; // 0 = by time

@@ -274,6 +274,9 @@ void write_inputs(InputsOptions o)
     o.source.labelled = false;
     Backbone backbone(o.network.backbone, o.network.threads);
     const size_t height = backbone.info().input_height, width = backbone.info().input_width;
+    if (width == 0)
+        throw Error(o.network.backbone + ": this plug-in does not show what its network is given; "
+                                         "name a network with a manifest");
     std::vector<float> inputs;
     for (const std::string &source : o.sources)
         for (record::Pass pass(source, o.source, backbone); pass.next();)
@@ -291,7 +294,9 @@ void add_check(CLI::App &app)
     CLI::App *command =
         app.add_subcommand("check", "Compare a network with one of another precision on pictures");
     const auto o = std::make_shared<CheckOptions>();
-    command->add_option("FP32", o->manifests[0], "network: name of a manifest, or path of a .toml")
+    command
+        ->add_option("FP32", o->manifests[0],
+                     "network: name of a manifest, or path of a .toml or a .so")
         ->type_name("")
         ->required();
     command->add_option("INT8", o->manifests[1], "the same network in another precision")

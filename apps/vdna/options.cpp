@@ -12,7 +12,8 @@ void add_network_options(CLI::App &command, NetworkOptions &options,
 {
     command
         .add_option("--backbone", options.backbone,
-                    "manifest of the network: its name, or the path of a .toml file (default: " +
+                    "network: name of a manifest, path of a .toml, or path of a plug-in, "
+                    "./libNAME.so (default: " +
                         default_text + ")")
         ->type_name("NAME|PATH");
     add_threads_option(command, options.threads);

@@ -1,8 +1,7 @@
+// The C ABI: one network behind its table of operations. What a table gives is checked here, once
+// for all tables.
 #include <atomic>
-#include <chrono>
-#include <cmath>
 #include <cstring>
-#include <future>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,38 +11,28 @@
 #include <vdna/backbone.h>
 
 #include "failure.hpp"
-#include "manifest.hpp"
-#include "manifest_path.hpp"
-#include "model.hpp"
-#include "picture/decode.hpp"
-#include "picture/mean_grey.hpp"
-#include "preprocess.hpp"
-#include "processor.hpp"
-#include "runtime.hpp"
-#include "session.hpp"
+#include "onnx_backbone.hpp"
+#include "plugin.hpp"
 
 using namespace vdna;
 using namespace vdna::backbone;
 
 struct vdna_backbone {
-    vdna_backbone(const Manifest &manifest, const vdna_backbone_config &config);
+    vdna_backbone(const vdna_backbone_operations &table, void *opened)
+        : operations(table), state(opened)
+    {
+    }
+    ~vdna_backbone() { operations.close(state); }
 
-    Runtime runtime;
-    Session session;
-    picture::Decoder decoder;
-    Preprocessor preprocessor;
-    std::vector<vdna_activations> taps;
-    uint32_t neurons = 0;
-    bool l2_normalise;
-    std::vector<float> embedding;
+    vdna_backbone_operations operations;
+    void *state;
     vdna_backbone_info info{};
+    std::vector<vdna_tap> taps; // of `info`
     std::atomic<bool> cancelled{false};
 };
 
 namespace
 {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr size_t oldest_config = sizeof(vdna_backbone_config); // in version 0.1
 
@@ -55,93 +44,76 @@ vdna_backbone_config default_config()
     return config;
 }
 
-// The output as activations: one axis is the neurons, all others together are the samples.
-vdna_activations as_activations(const Output &output, uint32_t layout)
+vdna_backbone_config read_config(const vdna_backbone_config *config)
 {
-    const int64_t neurons =
-        layout == VDNA_LAYOUT_SAMPLES_NEURONS ? output.shape.back() : output.shape.front();
-    const auto size = static_cast<int64_t>(output.size);
-    return {output.values, static_cast<uint32_t>(neurons), static_cast<uint32_t>(size / neurons),
-            layout};
+    vdna_backbone_config known = default_config();
+    if (!vdna_config_read(config, oldest_config, &known, sizeof known) || known.threads < 1 ||
+        known.threads > VDNA_BACKBONE_THREADS_MAX || known.max_pixels < 1 ||
+        known.max_pixels > VDNA_IMAGE_PIXELS_MAX)
+        throw fail::Failure(VDNA_ERR_ARG,
+                            "vdna_backbone_open: a configuration with 1 to " +
+                                std::to_string(VDNA_BACKBONE_THREADS_MAX) + " threads and pictures of 1 to " +
+                                std::to_string(VDNA_IMAGE_PIXELS_MAX) + " pixels is expected");
+    known.struct_size = sizeof known;
+    return known;
 }
 
-void write_taps(const Manifest &manifest, const std::vector<vdna_activations> &taps,
-                char (&out)[VDNA_TAPS_SIZE])
+// Others' code may give any number, and say nothing.
+void require(vdna_status status, const vdna_error &error, const char *whose, const char *operation)
 {
-    for (size_t t = 0; t < taps.size(); t++) {
-        const std::string &name = manifest.taps[t].output;
-        const vdna_tap tap = {name.data(), name.size(), taps[t].neurons, taps[t].samples};
-        const vdna_status status = vdna_taps_append(out, sizeof out, &tap);
-        if (status == VDNA_ERR_NOMEM)
-            throw fail::Failure(VDNA_ERR_FORMAT,
-                                "the list of taps has " + std::to_string(sizeof out) +
-                                    " characters or more; at most " +
-                                    std::to_string(sizeof out - 1) + " are expected");
-        if (status != VDNA_OK)
-            throw fail::Failure(VDNA_ERR_FORMAT,
-                                "backbone " + manifest.name + ": the name of tap " +
-                                    std::to_string(t + 1) +
-                                    " has a character that is not printable ASCII");
-    }
+    if (status == VDNA_OK)
+        return;
+    const bool known = status > 0 && status < VDNA_STATUS_COUNT;
+    const std::string sentence(error.text, strnlen(error.text, sizeof error.text));
+    throw fail::Failure(known ? status : VDNA_ERR_RUNTIME,
+                        !sentence.empty() ? sentence
+                                          : std::string(whose) + ": " + operation +
+                                                " failed: " + vdna_status_text(status));
 }
 
-// Copied in full or refused: a text cut short would make different backbones look alike.
-template <size_t Room>
-void copy_text(char (&out)[Room], const std::string &text, const char *what)
+[[noreturn]] void refuse_description(const std::string &whose, const std::string &why)
 {
-    if (text.size() >= Room)
-        throw fail::Failure(VDNA_ERR_FORMAT, std::string(what) + " has " +
-                                                 std::to_string(text.size()) +
-                                                 " characters; at most " +
-                                                 std::to_string(Room - 1) + " are expected");
-    std::memcpy(out, text.c_str(), text.size() + 1);
+    throw fail::Failure(VDNA_ERR_FORMAT,
+                        whose + ": describes itself wrongly: " + why + "; correct the plug-in");
 }
 
-void require_processor(const Manifest &manifest)
-{
-    const char *const lacks = lacks_for_int8_products();
-    if (manifest.precision == "int8" && lacks)
-        throw fail::Failure(
-            VDNA_ERR_UNSUPPORTED,
-            "backbone " + manifest.name + ": is int8, and this processor lacks " + lacks +
-                ": it may give other numbers than processors that have it; use the fp32 "
-                "network and a map made with it");
-}
-
-void fill_info(vdna_backbone &backbone, const Manifest &manifest, uint32_t max_pixels)
+// All that is said of a frame is compared with this description, and maps are made by it.
+void describe(vdna_backbone &backbone, const std::string &whose)
 {
     vdna_backbone_info &info = backbone.info;
-    vdna_identity &identity = info.identity;
-    copy_text(identity.backbone, manifest.name, "the backbone's name");
-    copy_text(identity.model_sha256, manifest.sha256, "the SHA-256");
-    copy_text(identity.preprocessing, preprocessing_text(manifest), "the preprocessing");
-    copy_text(identity.precision, manifest.precision, "the precision");
-    write_taps(manifest, backbone.taps, identity.taps);
-    identity.neurons = backbone.neurons;
-    identity.dim = static_cast<uint32_t>(backbone.embedding.size());
-    copy_text(info.quantised_from, manifest.quantised_from, "the SHA-256 of the original");
-    copy_text(info.runtime, "onnxruntime " + backbone.runtime.version(), "the runtime's version");
-    info.tap_count = static_cast<uint32_t>(backbone.taps.size());
-    info.input_width = manifest.input.width;
-    info.input_height = manifest.input.height;
-    info.decode_bytes = vdna_decoder_bytes_max(max_pixels);
+    backbone.operations.describe(backbone.state, &info);
+    info.runtime[sizeof info.runtime - 1] = '\0';
+    info.quantised_from[sizeof info.quantised_from - 1] = '\0';
+    info.identity.bins = 0;
+    info.identity.range = nullptr;
+
+    vdna_error why{};
+    if (vdna_identity_check(&info.identity, &why) != VDNA_OK)
+        refuse_description(whose, why.text);
+    if (info.identity.dim < 1)
+        refuse_description(whose, "dim is 0, expected the numbers in an embedding");
+    if ((info.input_width == 0) != (info.input_height == 0))
+        refuse_description(whose,
+                           "one of input_width and input_height is 0, expected both or none");
+
+    const char *rest = info.identity.taps;
+    for (vdna_tap tap; vdna_taps_next(&rest, &tap) == VDNA_OK;)
+        backbone.taps.push_back(tap);
+    if (backbone.taps.size() != info.tap_count)
+        refuse_description(whose, "tap_count is " + std::to_string(info.tap_count) +
+                                      ", expected as many as in taps, \"" + info.identity.taps +
+                                      "\"");
 }
 
-// Hashing the model takes about as long as ONNX Runtime needs to start, and a robot waits for both.
-std::future<Model> check_meanwhile(const Manifest &manifest)
+std::unique_ptr<vdna_backbone> open(const vdna_backbone_operations &operations,
+                                    const vdna_backbone_config &config, const std::string &whose)
 {
-    return std::async(std::launch::async,
-                      [&manifest] { return Model(manifest.model, manifest.sha256); });
-}
-
-void l2_normalise(std::vector<float> &values)
-{
-    double square = 0.0;
-    for (const float value : values)
-        square += static_cast<double>(value) * static_cast<double>(value);
-    // Zero over zero is a NaN, which is then refused as one.
-    for (float &value : values)
-        value = static_cast<float>(static_cast<double>(value) / std::sqrt(square));
+    vdna_error error{};
+    void *state = nullptr;
+    require(operations.open(&config, &error, &state), error, whose.c_str(), "open");
+    auto backbone = std::make_unique<vdna_backbone>(operations, state);
+    describe(*backbone, whose);
+    return backbone;
 }
 
 void require_not_cancelled(const vdna_backbone &backbone)
@@ -150,52 +122,64 @@ void require_not_cancelled(const vdna_backbone &backbone)
         throw fail::Failure(VDNA_ERR_RUNTIME, "the backbone was cancelled; open it again");
 }
 
-void infer(vdna_backbone &backbone)
+[[noreturn]] void refuse_frame(const vdna_backbone &backbone, const std::string &found,
+                               const std::string &expected)
 {
-    try {
-        backbone.session.run();
-    } catch (const fail::Failure &) {
-        require_not_cancelled(backbone);
-        throw;
-    }
-    const Output &output = backbone.session.embedding();
-    backbone.embedding.assign(output.values, output.values + output.size);
-    if (backbone.l2_normalise)
-        l2_normalise(backbone.embedding);
+    throw fail::Failure(VDNA_ERR_MISMATCH, std::string("backbone ") +
+                                               backbone.info.identity.backbone + ": gave " + found +
+                                               ", expected " + expected +
+                                               " as it says of itself; correct the plug-in");
 }
 
-void require_finite(const vdna_backbone &backbone)
+void require_taps(const vdna_backbone &backbone, const vdna_backbone_frame &frame)
 {
-    const vdna_activations embedding = {backbone.embedding.data(), backbone.info.identity.dim, 1,
+    const auto texts = [](uint32_t neurons, uint32_t samples) {
+        return std::to_string(neurons) + " neurons with " + std::to_string(samples) + " samples";
+    };
+    if (!frame.taps || frame.tap_count != backbone.taps.size())
+        refuse_frame(backbone, std::to_string(frame.taps ? frame.tap_count : 0) + " taps",
+                     std::to_string(backbone.taps.size()));
+    for (size_t t = 0; t < frame.tap_count; t++) {
+        const vdna_activations &found = frame.taps[t];
+        const vdna_tap &stated = backbone.taps[t];
+        if (found.neurons != stated.neurons || found.samples != stated.samples)
+            refuse_frame(backbone,
+                         "for tap " + std::to_string(t + 1) + " " +
+                             texts(found.neurons, found.samples),
+                         texts(stated.neurons, stated.samples));
+    }
+}
+
+void require_fitting(const vdna_backbone &backbone, const vdna_backbone_frame &frame)
+{
+    const vdna_backbone_info &info = backbone.info;
+    require_taps(backbone, frame);
+    if (!frame.embedding || frame.dim != info.identity.dim)
+        refuse_frame(backbone,
+                     "an embedding of " + std::to_string(frame.embedding ? frame.dim : 0) +
+                         " numbers",
+                     std::to_string(info.identity.dim));
+    if ((frame.input != nullptr) != (info.input_width > 0))
+        refuse_frame(backbone, frame.input ? "an input" : "no input", frame.input ? "none" : "one");
+    if (!(frame.grey >= 0.0f && frame.grey <= 255.0f))
+        refuse_frame(backbone, "the grey level " + std::to_string(frame.grey), "0 to 255");
+}
+
+void require_finite(const vdna_backbone &backbone, const vdna_backbone_frame &frame)
+{
+    const vdna_identity &identity = backbone.info.identity;
+    const vdna_activations embedding = {frame.embedding, identity.dim, 1,
                                         VDNA_LAYOUT_SAMPLES_NEURONS};
-    if (vdna_activations_check(backbone.taps.data(), backbone.taps.size(), backbone.neurons) ||
-        vdna_activations_check(&embedding, 1, embedding.neurons))
-        throw fail::Failure(VDNA_ERR_NONFINITE, std::string("backbone ") +
-                                                    backbone.info.identity.backbone +
+    const vdna_status taps = vdna_activations_check(frame.taps, frame.tap_count, identity.neurons);
+    if (taps == VDNA_ERR_NONFINITE || vdna_activations_check(&embedding, 1, embedding.neurons))
+        throw fail::Failure(VDNA_ERR_NONFINITE, std::string("backbone ") + identity.backbone +
                                                     ": gave a NaN or an infinity for this picture; "
                                                     "expected numbers; leave the picture out");
-}
-
-uint32_t elapsed_us(Clock::time_point begin, Clock::time_point end)
-{
-    return static_cast<uint32_t>(
-        std::chrono::duration_cast<std::chrono::microseconds>(end - begin).count());
+    if (taps != VDNA_OK)
+        refuse_frame(backbone, "a tap without values or of no layout", "activations");
 }
 
 } // namespace
-
-vdna_backbone::vdna_backbone(const Manifest &manifest, const vdna_backbone_config &config)
-    : runtime(config.runtime),
-      session(runtime, manifest, check_meanwhile(manifest), config.threads),
-      decoder(config.max_pixels), preprocessor(manifest.input), l2_normalise(manifest.l2_normalise),
-      embedding(session.embedding().size)
-{
-    for (size_t t = 0; t < manifest.taps.size(); t++) {
-        taps.push_back(as_activations(session.taps()[t], manifest.taps[t].layout));
-        neurons += taps[t].neurons;
-    }
-    fill_info(*this, manifest, config.max_pixels);
-}
 
 /* see vdna/backbone.h */
 void vdna_backbone_config_init(vdna_backbone_config *config)
@@ -208,18 +192,29 @@ void vdna_backbone_config_init(vdna_backbone_config *config)
 vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *error,
                                vdna_backbone **out_backbone)
 {
-    vdna_backbone_config known = default_config();
-    if (!vdna_config_read(config, oldest_config, &known, sizeof known) || !known.manifest ||
-        known.threads < 1 || known.threads > VDNA_BACKBONE_THREADS_MAX || known.max_pixels < 1 ||
-        known.max_pixels > VDNA_IMAGE_PIXELS_MAX || !out_backbone)
-        return vdna_fail(error, VDNA_ERR_ARG,
-                         "vdna_backbone_open: a manifest, 1 to %u threads and pictures of 1 to %u "
-                         "pixels are expected",
-                         VDNA_BACKBONE_THREADS_MAX, VDNA_IMAGE_PIXELS_MAX);
     return fail::guarded(error, [&] {
-        const Manifest manifest = read_manifest(find_manifest(known.manifest));
-        require_processor(manifest);
-        *out_backbone = new vdna_backbone(manifest, known);
+        const vdna_backbone_config known = read_config(config);
+        if (!known.manifest || !out_backbone)
+            throw fail::Failure(VDNA_ERR_ARG,
+                                "vdna_backbone_open: a manifest and out_backbone are expected");
+        const std::string manifest = known.manifest;
+        *out_backbone = is_plugin(manifest) ? open(load_plugin(manifest), known, manifest).release()
+                                            : open(onnx_operations, known, manifest).release();
+    });
+}
+
+/* see vdna/backbone.h */
+vdna_status vdna_backbone_open_with(const vdna_backbone_operations *operations,
+                                    const vdna_backbone_config *config, vdna_error *error,
+                                    vdna_backbone **out_backbone)
+{
+    static const char *const name = "vdna_backbone_open_with";
+    return fail::guarded(error, [&] {
+        const vdna_backbone_config known = read_config(config);
+        if (!operations || !out_backbone)
+            throw fail::Failure(VDNA_ERR_ARG,
+                                std::string(name) + ": operations and out_backbone are expected");
+        *out_backbone = open(checked(operations, name), known, name).release();
     });
 }
 
@@ -245,21 +240,15 @@ vdna_status vdna_backbone_run(vdna_backbone *backbone, const vdna_image *image, 
                          "vdna_backbone_run: a backbone, an image and a frame are expected");
     return fail::guarded(error, [&] {
         require_not_cancelled(*backbone);
-        const auto begin = Clock::now();
-        const vdna_pixels pixels = backbone->decoder.decode(*image);
-        const float grey = picture::mean_grey(pixels);
-        const auto decoded = Clock::now();
-        backbone->preprocessor.run(pixels, backbone->session.input());
-        const auto resized = Clock::now();
-        infer(*backbone);
-        const auto inferred = Clock::now();
-        require_finite(*backbone);
-
-        *out_frame = {backbone->taps.data(),        backbone->embedding.data(),
-                      backbone->session.input(),    backbone->taps.size(),
-                      backbone->info.identity.dim,  grey,
-                      elapsed_us(begin, decoded),   elapsed_us(decoded, resized),
-                      elapsed_us(resized, inferred)};
+        vdna_error why{};
+        vdna_backbone_frame frame{};
+        const vdna_status status = backbone->operations.run(backbone->state, image, &why, &frame);
+        if (status != VDNA_OK)
+            require_not_cancelled(*backbone);
+        require(status, why, backbone->info.identity.backbone, "run");
+        require_fitting(*backbone, frame);
+        require_finite(*backbone, frame);
+        *out_frame = frame;
     });
 }
 
@@ -269,5 +258,5 @@ void vdna_backbone_cancel(vdna_backbone *backbone)
     if (!backbone)
         return;
     backbone->cancelled = true;
-    backbone->session.terminate();
+    backbone->operations.cancel(backbone->state);
 }

@@ -64,8 +64,8 @@ fs::path find_manifest(const std::string &wanted)
     }
     throw fail::Failure(VDNA_ERR_IO,
                         "no backbone is called '" + wanted + "'; looked in " + looked +
-                            "; give one of these names, the path of a manifest, or set "
-                            "VDNA_MODELS");
+                            "; give one of these names, the path of a manifest or of a plug-in "
+                            "(./libNAME.so), or set VDNA_MODELS");
 }
 
 } // namespace vdna::backbone

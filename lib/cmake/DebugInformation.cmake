@@ -2,6 +2,9 @@
 # if it is asked for. It lies where gdb looks, by build ID: PREFIX/lib/debug/.build-id. The installed
 # programs may lack theirs (`cmake --install --strip`, packages) or not.
 set(binaries "$<TARGET_FILE:vdna_shared>")
+if(VDNA_BACKBONE)
+  list(APPEND binaries "$<TARGET_FILE:vdna_backbone_shared>")
+endif()
 if(VDNA_APPS)
   list(APPEND binaries "$<TARGET_FILE:vdna>" "$<TARGET_FILE:vdna_selectord>")
 endif()

@@ -1,10 +1,14 @@
 /** @file vdna/backbone.h
  *  @brief A frozen network: picture in; activations, embedding and mean grey level out.
  *
- *  Which network, how its input is prepared and which outputs are tapped is said by a manifest
- *  (models/NAME.toml); nothing here knows a network by name. ONNX Runtime is loaded with dlopen
- *  when a backbone is opened. The border is message-like on purpose: no state is shared with the
- *  caller between two calls.
+ *  A backbone is a table of operations and a state. Ours runs an ONNX file: a manifest
+ *  (models/NAME.toml) says which, how its input is prepared and which outputs are tapped; nothing
+ *  here knows a network by name. ONNX Runtime is loaded with dlopen when such a backbone is opened.
+ *  A plug-in, a shared library that vdna_backbone_open() loads, brings a table of its own and with
+ *  it any other network; vdna_backbone_open_with() takes a table directly.
+ *
+ *  The border is message-like on purpose: no state is shared with the caller between two calls.
+ *  Whatever the table, the functions below check what it gives before the caller sees it.
  */
 #ifndef VDNA_BACKBONE_H
 #define VDNA_BACKBONE_H
@@ -36,7 +40,8 @@ typedef struct vdna_backbone_config {
     const char *manifest; /**< path of a TOML manifest (with a '/' or ending in ".toml"; paths
                                within it are relative to it), or the bare name of one in
                                $VDNA_MODELS, the running program's installation (share/vdna/models
-                               beside its bin) or /usr/share/vdna/models */
+                               beside its bin) or /usr/share/vdna/models. A path with a '/' that
+                               ends in ".so" is a plug-in. */
     const char *runtime;  /**< path of libonnxruntime.so; NULL = $VDNA_ONNXRUNTIME, then that of
                                the running program's installation (lib/vdna beside its bin), then
                                the system's (default) */
@@ -44,14 +49,14 @@ typedef struct vdna_backbone_config {
 
 /** What an open network is. */
 typedef struct vdna_backbone_info {
-    vdna_identity identity; /**< what experiences made with it carry; bins and range are not known,
-                                 the SHA-256 was checked when it was opened */
+    vdna_identity identity; /**< what experiences made with it carry; bins and range are not known.
+                                 Of a manifest, the SHA-256 was checked when it was opened */
     char quantised_from[VDNA_SHA256_SIZE]; /**< SHA-256 of the ONNX file that this one was made
                                                 from; "" = none */
-    char runtime[64];                      /**< "onnxruntime 1.28.0" */
+    char runtime[64];                      /**< "onnxruntime 1.28.0"; a plug-in names itself */
     uint32_t tap_count;                    /**< >= 1 */
-    uint32_t input_width;                  /**< pixels */
-    uint32_t input_height;                 /**< pixels */
+    uint32_t input_width;                  /**< pixels; 0 = the backbone does not show its input */
+    uint32_t input_height;                 /**< pixels; as input_width */
     uint64_t decode_bytes; /**< most memory that decoding a camera's picture of max_pixels takes
                                 after opening: MJPG, also progressive, or any raw format */
 } vdna_backbone_info;
@@ -60,7 +65,8 @@ typedef struct vdna_backbone_info {
 typedef struct vdna_backbone_frame {
     const vdna_activations *taps; /**< [tap_count] */
     const float *embedding;       /**< [dim], L2-normalised if the manifest says so */
-    const float *input;           /**< [3][input_height][input_width], what the network was given */
+    const float *input;           /**< [3][input_height][input_width], what the network was given;
+                                       NULL if input_width is 0 */
     size_t tap_count;             /**< as in vdna_backbone_info */
     uint32_t dim;                 /**< as in the identity */
     float grey;                   /**< mean grey level of the whole picture, 0..255 (BT.601) */
@@ -69,25 +75,77 @@ typedef struct vdna_backbone_frame {
     uint32_t inference_us;        /**< time spent in the network */
 } vdna_backbone_frame;
 
+/** How one kind of backbone works. None of the pointers is NULL. A state belongs to the table that
+ *  opened it and may be NULL. Operations on one state are called by one thread at a time, except
+ *  for `cancel`. No exception may leave one. */
+typedef struct vdna_backbone_operations {
+    uint32_t struct_size; /**< sizeof(vdna_backbone_operations). The table grows whenever it or a
+                               struct that it fills does: a larger one is refused, because it may
+                               write more than the library has room for */
+    uint32_t reserved;    /**< 0 */
+
+    /** Open a network. `config` is needed for this call only; its `struct_size` says how much of it
+     *  there is, its fields are within their limits, and `manifest` is the plug-in's own path.
+     *  Returns VDNA_OK or what is wrong, in `error` (never NULL) as one sentence. */
+    vdna_status (*open)(const vdna_backbone_config *config, vdna_error *error, void **out_state);
+
+    /** Close. Never called during another operation. */
+    void (*close)(void *state);
+
+    /** Describe it: `out_info` is zeroed before. The identity must pass vdna_identity_check()
+     *  without bins and range, and have as many taps as `tap_count` says. `model_sha256` is 64
+     *  lower-case hexadecimal digits that no other network has: maps are refused by it. */
+    void (*describe)(const void *state, vdna_backbone_info *out_info);
+
+    /** Run one picture, as a camera sent it: vdna_decoder_decode() makes pixels of it. `out_frame`
+     *  is zeroed before; taps, embedding and dim must be as the identity says, what they point to
+     *  stays until the next operation. Finite values are checked by the library. Returns VDNA_OK or
+     *  what is wrong, in `error` (never NULL) as one sentence: VDNA_ERR_FORMAT and
+     *  VDNA_ERR_UNSUPPORTED blame the picture, all others the network. */
+    vdna_status (*run)(void *state, const vdna_image *image, vdna_error *error,
+                       vdna_backbone_frame *out_frame);
+
+    /** End a `run` in progress early if that is possible, from another thread. No run follows. */
+    void (*cancel)(void *state);
+} vdna_backbone_operations;
+
+/** Give the table of a plug-in. Not a function of this library: a plug-in defines and exports it.
+ *  @return a table that stays as long as the process; checked before it is used */
+extern VDNA_API const vdna_backbone_operations *vdna_backbone_plugin(void);
+
 /** Write the defaults: two threads, runtime found by itself; the caller must set `manifest`.
  *  @param config  NULL is allowed */
 VDNA_API void vdna_backbone_config_init(vdna_backbone_config *config);
 
 /** Open a network: read the manifest, check the model's SHA-256, load the runtime, bind inputs and
- *  outputs, run twice on a grey picture so that later calls are warm.
+ *  outputs, run twice on a grey picture so that later calls are warm. Or load the plug-in, which
+ *  then stays loaded, and have it open its network.
  *
- *  Sets ORT_DISABLE_TELEMETRY=1 in the environment, which is the whole process's: some builds of
- *  ONNX Runtime write files and start a thread as soon as they are loaded, and nothing else stops
- *  them. Open before other threads read the environment, or set it yourself.
+ *  A plug-in is code and does what the process may do: load only what you trust.
+ *
+ *  For a manifest, it sets ORT_DISABLE_TELEMETRY=1 in the environment, which is the whole
+ * process's: some builds of ONNX Runtime write files and start a thread as soon as they are loaded,
+ * and nothing else stops them. Open before other threads read the environment, or set it yourself.
  *  @param config  needed for this call only
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_backbone  the caller's, to be closed with vdna_backbone_close()
- *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT (manifest); VDNA_ERR_CHECKSUM
- *          (model); VDNA_ERR_MISMATCH (a tap or shape the model does not have);
- *          VDNA_ERR_UNSUPPORTED (runtime too old, or an int8 network on an x86 processor without
- *          VNNI or an ARM one without asimddp); VDNA_ERR_RUNTIME; VDNA_ERR_NOMEM */
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT (manifest, or what a plug-in says of
+ *          itself); VDNA_ERR_CHECKSUM (model); VDNA_ERR_MISMATCH (a tap or shape the model does not
+ *          have); VDNA_ERR_UNSUPPORTED (runtime too old, an int8 network on an x86 processor
+ *          without VNNI or an ARM one without asimddp, or a library that is no plug-in of this
+ *          version); VDNA_ERR_RUNTIME; VDNA_ERR_NOMEM; any other that a plug-in gives */
 VDNA_API vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *error,
                                         vdna_backbone **out_backbone);
+
+/** Open a network by a table of your own, checked as that of a plug-in is.
+ *  @param operations  copied
+ *  @param config  handed to `open`; `manifest` may be NULL
+ *  @param error  filled on failure; NULL = not wanted
+ *  @param out_backbone  the caller's, to be closed with vdna_backbone_close()
+ *  @return as vdna_backbone_open() for a plug-in */
+VDNA_API vdna_status vdna_backbone_open_with(const vdna_backbone_operations *operations,
+                                             const vdna_backbone_config *config, vdna_error *error,
+                                             vdna_backbone **out_backbone);
 
 /** Close; everything borrowed from it ends.
  *  @param backbone  NULL is allowed */
@@ -106,8 +164,9 @@ VDNA_API void vdna_backbone_describe(const vdna_backbone *backbone, vdna_backbon
  *  @param out_frame  borrowed until the next call with this backbone
  *  @return VDNA_OK; VDNA_ERR_FORMAT if the picture cannot be decoded; VDNA_ERR_UNSUPPORTED for an
  *          unknown pixel format, an encoded picture that is no JPEG, or a picture too large;
- *          VDNA_ERR_NONFINITE if the network gave a NaN or an infinity; VDNA_ERR_RUNTIME, also
- *          after vdna_backbone_cancel() */
+ *          VDNA_ERR_NONFINITE if the network gave a NaN or an infinity; VDNA_ERR_MISMATCH if a
+ *          plug-in gave something else than it says of itself; VDNA_ERR_RUNTIME, also after
+ *          vdna_backbone_cancel(); any other that a plug-in gives */
 VDNA_API vdna_status vdna_backbone_run(vdna_backbone *backbone, const vdna_image *image,
                                        vdna_error *error, vdna_backbone_frame *out_frame);
 

@@ -23,7 +23,8 @@
  *  Layout. Config structs start with `struct_size`, which `_config_init()` fills. They grow at the
  *  end: one from a caller that was compiled with an older header, down to that of version 0.1, is
  *  accepted, and what it lacks has its default; a larger or a smaller one is refused. Only
- *  fixed-width integers, float, double, size_t and pointers cross the border.
+ *  fixed-width integers, float, double, size_t and pointers cross the border; functions do in one
+ *  place, the table of vdna/backbone.h, by which a network of the user's own is called.
  *
  *  Privacy. What a struct shows is documented and may be read; objects with private state (select,
  *  window, a network, a connection) are pointers with accessors.

@@ -14,6 +14,7 @@ import libvdna
 from libvdna import _library
 
 PACKAGE = pathlib.Path(libvdna.__file__).parent
+HAS_BACKBONE = (PACKAGE / "libvdna_backbone.so").exists()
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 STRUCTS = {
@@ -31,6 +32,10 @@ STRUCTS = {
     "vdna_identity": _library.IdentityFields,
     "vdna_tap": _library.TapFields,
     "vdna_experience": _library.ExperienceFile,
+    "vdna_image": _library.Image,
+    "vdna_backbone_config": _library.BackboneConfig,
+    "vdna_backbone_info": _library.BackboneFields,
+    "vdna_backbone_frame": _library.BackboneOutput,
 }
 
 
@@ -87,16 +92,28 @@ def test_the_version_is_that_of_the_project():
     assert f"project(vdna VERSION {libvdna.__version__} " in project
 
 
-def test_the_library_needs_libc_only_and_shows_its_own_symbols_only():
-    library = str(PACKAGE / "libvdna.so")
-    dynamic = subprocess.run(["readelf", "-dW", library], capture_output=True, text=True).stdout
-    assert re.findall(r"NEEDED.*\[(.*)\]", dynamic) == ["libc.so.6"]
-    symbols = subprocess.run(
-        ["nm", "-D", "--defined-only", library], capture_output=True, text=True
-    )
+def needed_and_shown_by(library):
+    path = str(PACKAGE / library)
+    dynamic = subprocess.run(["readelf", "-dW", path], capture_output=True, text=True).stdout
+    symbols = subprocess.run(["nm", "-D", "--defined-only", path], capture_output=True, text=True)
     names = [line.split()[-1] for line in symbols.stdout.splitlines()]
+    return re.findall(r"NEEDED.*\[(.*)\]", dynamic), names
+
+
+def test_the_library_needs_libc_only_and_shows_its_own_symbols_only():
+    needed, names = needed_and_shown_by("libvdna.so")
+    assert needed == ["libc.so.6"]
     assert len(names) > 30
     assert [name for name in names if not name.startswith("vdna_")] == []
+
+
+@pytest.mark.skipif(not HAS_BACKBONE, reason="the wheel was built without networks")
+def test_the_library_of_networks_needs_libc_and_libjpeg_at_most_and_shows_its_own_symbols_only():
+    needed, names = needed_and_shown_by("libvdna_backbone.so")
+    allowed = {"libc.so.6", "libm.so.6", "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"}
+    assert [name for name in needed if name not in allowed and "libjpeg" not in name] == []
+    assert len(names) > 10
+    assert [name for name in names if not name.startswith(("vdna_", "VDNA_BACKBONE_0"))] == []
 
 
 def test_the_wheel_has_its_library_types_and_licence_and_nothing_else():
@@ -106,5 +123,6 @@ def test_the_wheel_has_its_library_types_and_licence_and_nothing_else():
     others = {
         file.name for file in files if file.parts[0] == "libvdna" and file.suffix[:3] != ".py"
     }
-    # libmd's licence is there where Debian's package of it is.
-    assert others - {"LICENSE.libmd"} == {"LICENSE", "libvdna.so", "py.typed"}
+    # Licences of others are there where Debian's packages of them are.
+    others = {name for name in others if not name.startswith("LICENSE.")}
+    assert others - {"libvdna_backbone.so"} == {"LICENSE", "libvdna.so", "py.typed"}

@@ -1,7 +1,7 @@
 """What the headers of libvdna declare, read from their text.
 
 They are our own and plain: no macro makes a declaration, no struct is declared within another, and
-a declarator is a name with stars before it or brackets behind it.
+a declarator is a name with stars before it or brackets behind it, or a pointer to a function.
 """
 
 import re
@@ -24,6 +24,7 @@ def structs(headers):
         text = _without_comments(header)
         seen = len(found)
         for name, body in re.findall(r"^typedef struct (\w+) \{(.*?)^\} \1;", text, re.M | re.S):
+            body = re.sub(r"\(\*(\w+)\)\([^()]*\)", r"\1", body)
             found[name] = [re.search(r"(\w+)\s*(?:\[\w+\]\s*)*$", declarator)[1]
                            for declaration in body.split(";") if declaration.strip()
                            for declarator in declaration.split(",")]

@@ -1,9 +1,11 @@
-"""The three files that pin the ABI, and what they must hold.
+"""The files that pin the ABI, and what they must hold.
 
-    lib/vdna.map                  the exported functions; also the linker's version script
+    lib/vdna.map                  the functions that libvdna.so exports; also the linker's version
+                                  script
+    lib/vdna_backbone.map         the same of libvdna_backbone.so
     test/contract/abi/layout.txt  sizes, alignments and offsets of every public struct, and every
                                   enumerator
-    test/contract/abi/vdna.abi    abidw's view of the functions and their types, on x86-64
+    test/contract/abi/vdna.abi    abidw's view of libvdna.so's functions and their types, on x86-64
 
 `pins.py renew` writes them anew, as the CMake target abi_baseline does. Environment: as given by
 test/contract/abi/CMakeLists.txt.
@@ -20,13 +22,35 @@ import declarations
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
-EXPORTS = ROOT / "lib" / "vdna.map"
 LAYOUT = HERE / "layout.txt"
 BASELINE = HERE / "vdna.abi"
 
 INCLUDE = ROOT / "lib" / "include"
-HEADERS = [Path(path) for path in os.environ["VDNA_HEADERS"].split(":")]
 LIBRARY = os.environ["VDNA_LIBRARY"]
+
+
+class Library:
+    """One of our shared libraries: `name`.so exports, as version `node`, what `headers` declare."""
+
+    def __init__(self, name, node, headers, path):
+        self.name, self.node, self.path = name, node, path
+        self.headers = [Path(header) for header in headers.split(":")]
+        self.map = ROOT / "lib" / f"{name.removeprefix('lib')}.map"
+
+    def exports_text(self):
+        names = "".join(f"    {name};\n" for name in sorted(declarations.functions(self.headers)))
+        return (f"# What {self.name}.so exports: the functions that its headers mark with VDNA_API.\n"
+                "# Written by the CMake target abi_baseline.\n"
+                f"{self.node} {{\nglobal:\n{names}local:\n    *;\n}};\n")
+
+
+LIBRARIES = [
+    Library("libvdna", "VDNA_0", os.environ["VDNA_HEADERS"], LIBRARY),
+    # Its path is empty where it is not built.
+    Library("libvdna_backbone", "VDNA_BACKBONE_0", os.environ["VDNA_BACKBONE_HEADERS"],
+            os.environ["VDNA_BACKBONE_LIBRARY"]),
+]
+HEADERS = [header for library in LIBRARIES for header in library.headers]
 
 REMEDY = "if the change is meant, run: cmake --build --preset core --target abi_baseline"
 
@@ -34,13 +58,6 @@ NATIVE = ([os.environ["VDNA_CC"]], os.environ["VDNA_OBJCOPY"])
 # clang knows the layout rules of machines whose compilers are not there.
 AARCH64 = (["clang-19", "--target=aarch64-linux-gnu"], "llvm-objcopy-19")
 ARMHF = (["clang-19", "--target=armv7-linux-gnueabihf"], "llvm-objcopy-19")
-
-
-def exports_text():
-    names = "".join(f"    {name};\n" for name in sorted(declarations.functions(HEADERS)))
-    return ("# What libvdna.so exports: the functions that its headers mark with VDNA_API.\n"
-            "# Written by the CMake target abi_baseline.\n"
-            f"VDNA_0 {{\nglobal:\n{names}local:\n    *;\n}};\n")
 
 
 def _measured():
@@ -103,7 +120,8 @@ def write_baseline():
 
 
 def renew(build):
-    EXPORTS.write_text(exports_text())
+    for library in LIBRARIES:
+        library.map.write_text(library.exports_text())
     LAYOUT.write_text(layout_text())
     subprocess.run(["cmake", "--build", build, "--target", "vdna_shared"], check=True)
     write_baseline()

@@ -2,6 +2,8 @@
  * Python package writes them down a second time, and its tests compare. */
 #include <stddef.h>
 #include <stdio.h>
+
+#include <vdna/backbone.h>
 #include <vdna/map.h>
 #include <vdna/vdna.h>
 
@@ -118,10 +120,50 @@ static void print_map(void)
     FIELD(vdna_experience, file_size);
 }
 
+static void print_backbone(void)
+{
+    STRUCT(vdna_image);
+    FIELD(vdna_image, data);
+    FIELD(vdna_image, size);
+    FIELD(vdna_image, width);
+    FIELD(vdna_image, height);
+    FIELD(vdna_image, row_stride);
+    FIELD(vdna_image, pixelformat);
+
+    STRUCT(vdna_backbone_config);
+    FIELD(vdna_backbone_config, struct_size);
+    FIELD(vdna_backbone_config, threads);
+    FIELD(vdna_backbone_config, max_pixels);
+    FIELD(vdna_backbone_config, reserved);
+    FIELD(vdna_backbone_config, manifest);
+    FIELD(vdna_backbone_config, runtime);
+
+    STRUCT(vdna_backbone_info);
+    FIELD(vdna_backbone_info, identity);
+    FIELD(vdna_backbone_info, quantised_from);
+    FIELD(vdna_backbone_info, runtime);
+    FIELD(vdna_backbone_info, tap_count);
+    FIELD(vdna_backbone_info, input_width);
+    FIELD(vdna_backbone_info, input_height);
+    FIELD(vdna_backbone_info, decode_bytes);
+
+    STRUCT(vdna_backbone_frame);
+    FIELD(vdna_backbone_frame, taps);
+    FIELD(vdna_backbone_frame, embedding);
+    FIELD(vdna_backbone_frame, input);
+    FIELD(vdna_backbone_frame, tap_count);
+    FIELD(vdna_backbone_frame, dim);
+    FIELD(vdna_backbone_frame, grey);
+    FIELD(vdna_backbone_frame, decode_us);
+    FIELD(vdna_backbone_frame, resize_us);
+    FIELD(vdna_backbone_frame, inference_us);
+}
+
 int main(void)
 {
     print_core();
     print_select();
     print_map();
+    print_backbone();
     return 0;
 }

@@ -17,6 +17,8 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 CONSUMER = HERE / "consumer" / "consumer.c"  # core and select
 CHOOSE = ROOT / "apps" / "examples" / "choose.c"  # map as well
+BACKBONE = HERE / "backbone" / "backbone.c"  # libvdna_backbone
+GREY_LEVELS = ROOT / "apps" / "examples" / "grey_levels.c"  # a plug-in for it
 
 CC, CMAKE = os.environ["VDNA_CC"], os.environ["VDNA_CMAKE"]
 STAGE, BUILD = Path(os.environ["VDNA_STAGE"]), Path(os.environ["VDNA_BUILD"])
@@ -127,6 +129,67 @@ def amalgamation(scratch):
         run(CC, "-std=c99", level, f"-I{scratch}", "-o", program, CONSUMER, source)
         programs.append((program, None))
     return programs
+
+
+def configure_backbone(scratch, prefix):
+    project = scratch / "networks"
+    shutil.copytree(BACKBONE.parent, project)
+    shutil.copy(GREY_LEVELS, project)
+    return subprocess.run(
+        [CMAKE, "-S", project, "-B", scratch / "networks-build", f"-DCMAKE_C_COMPILER={CC}",
+         "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_PREFIX_PATH={prefix}"],
+        text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+
+def check_backbone(program, plugin):
+    found = output_of(program, plugin)
+    assert found == "grey_levels levels:16:1\n0.5 0.5 127.5\nok\n", found
+
+
+def backbone_find_package(scratch):
+    """A program and a plug-in on vdna::backbone; ONNX Runtime and the networks of its installation."""
+    configured = configure_backbone(scratch, PREFIX)
+    assert configured.returncode == 0, configured.stdout
+    build = scratch / "networks-build"
+    run(CMAKE, "--build", build)
+    check_backbone(build / "backbone", build / "grey_levels.so")
+    if (PREFIX / "share" / "vdna" / "models").exists():
+        for name in ("VDNA_MODELS", "VDNA_ONNXRUNTIME"):
+            os.environ.pop(name, None)
+        said = run(build / "backbone", "efficientnet_lite0", stdout=subprocess.PIPE,
+                   env={**os.environ, "LD_DEBUG": "files"}, stderr=subprocess.PIPE)
+        assert said.stdout.startswith("efficientnet_lite0 embedding:1280:1\n"), said.stdout
+        assert f"file={PREFIX}/lib/vdna/libonnxruntime.so" in said.stderr
+    return []
+
+
+def backbone_pkg_config(scratch, prefix=PREFIX):
+    need("pkg-config")
+    [folder] = prefix.glob("lib/**/pkgconfig")
+    os.environ["PKG_CONFIG_PATH"] = str(folder)
+    flags = shlex.split(output_of("pkg-config", "--cflags", "--libs", "vdna-backbone"))
+    flags.append(f"-Wl,-rpath,{folder.parent}")
+    run(CC, *STRICT, "-o", scratch / "backbone", BACKBONE, *flags)
+    run(CC, *STRICT, "-shared", "-fPIC", "-o", scratch / "mine.so", GREY_LEVELS, *flags)
+    check_backbone(scratch / "backbone", scratch / "mine.so")
+    return []
+
+
+def backbone_deb(scratch):
+    """From the four packages of the libraries; without those of the backbone, CMake says so."""
+    prefix = scratch / "root" / "usr"
+    for names in (("libvdna0", "libvdna-dev"), ("libvdna-backbone0", "libvdna-backbone-dev")):
+        debs = [deb for name in names for deb in STAGE.glob(f"debs/{name}_*.deb")]
+        if not debs:
+            need("dpkg-shlibdeps")
+        for package in debs:
+            run("dpkg", "-x", package, scratch / "root")
+        if names[0] == "libvdna0":
+            refused = configure_backbone(scratch / "without", prefix)
+            assert refused.returncode != 0
+            assert "installed here without its component backbone" in refused.stdout.replace(
+                "\n", " ").replace("  ", " "), refused.stdout
+    return backbone_pkg_config(scratch, prefix)
 
 
 def main():

@@ -11,6 +11,7 @@ import unittest
 from pathlib import Path
 
 PROGRAMS = os.environ["VDNA_PROGRAMS"] == "ON"
+BACKBONE = os.environ["VDNA_BACKBONE"] == "ON"
 DEBS = sorted(Path(os.environ["VDNA_STAGE"], "debs").glob("*.deb"))
 
 if not DEBS:
@@ -40,12 +41,21 @@ class TheDebs(unittest.TestCase):
 
     def test_are_those_that_were_built(self):
         expected = {"libvdna0", "libvdna-dev", "vdna-dbgsym"}
+        if BACKBONE:
+            expected |= {"libvdna-backbone0", "libvdna-backbone-dev"}
         if PROGRAMS:
             expected |= {"vdna", "vdna-selectord", "vdna-networks"}
         self.assertEqual(set(self.debs), expected)
 
     def test_the_library_depends_on_what_it_links(self):
         self.assertRegex(field(self.debs["libvdna0"], "Depends"), r"libc6 .*libmd0")
+
+    @unittest.skipUnless(BACKBONE, "needs the backbone")
+    def test_the_backbone_s_library_depends_on_what_it_links_and_not_on_opencv(self):
+        depends = field(self.debs["libvdna-backbone0"], "Depends")
+        self.assertRegex(depends, r"libjpeg.*libmd0.*libstdc\+\+6")
+        self.assertNotIn("opencv", depends)
+        self.assertIn("libvdna-dev (=", field(self.debs["libvdna-backbone-dev"], "Depends"))
 
     def test_the_development_files_go_with_one_library(self):
         version = field(self.debs["libvdna0"], "Version")

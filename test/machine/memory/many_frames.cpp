@@ -12,7 +12,6 @@
 #include <vdna/cpp/connection.hpp>
 
 #include "selectord/daemon.hpp"
-#include "stub_backbone.h"
 
 namespace
 {
@@ -59,13 +58,24 @@ void frame_done()
     send_frame();
 }
 
+// The stub's run, and what follows from it.
+vdna_status run_and_go_on(void *state, const vdna_image *image, vdna_error *error,
+                          vdna_backbone_frame *out_frame)
+{
+    const vdna_status status = vdna_backbone_plugin()->run(state, image, error, out_frame);
+    frame_done();
+    return status;
+}
+
 void process(const char *map_directory, uint64_t frames)
 {
     Config config;
     config.map_directory = map_directory;
     config.warmup_frames = 50;
     const Map map(config.map_directory);
-    const Backbone backbone("stub", 1);
+    vdna_backbone_operations operations = *vdna_backbone_plugin();
+    operations.run = run_and_go_on;
+    const Backbone backbone(operations);
     Daemon daemon(config, map, backbone);
 
     vdna_transport_config transport;
@@ -79,7 +89,6 @@ void process(const char *map_directory, uint64_t frames)
 
     run.transport = connection.get();
     run.wanted = frames;
-    stub_backbone_ran = frame_done;
     send_frame();
     daemon.run(connection.get(), run.stop);
 }

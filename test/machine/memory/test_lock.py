@@ -9,7 +9,7 @@ import unittest
 
 from selectord import Selectord, memory_of
 
-DAEMON = os.environ["VDNA_STUB_SELECTORD"]
+STUB = os.environ["VDNA_STUB_BACKBONE"]
 
 
 class Lock(unittest.TestCase):
@@ -20,11 +20,11 @@ class Lock(unittest.TestCase):
             path = os.path.join(folder, "lock.toml")
             with open(path, "w", encoding="ascii") as file:
                 file.write("[memory]\nlock = true\n")
-            options = ("--map", folder, "-l", "memq://")
-            with Selectord(*options, program=DAEMON) as daemon:
+            options = ("--map", folder, "--backbone", STUB, "-l", "memq://")
+            with Selectord(*options) as daemon:
                 free = memory_of(daemon.pid)
             try:
-                locked_daemon = Selectord(*options, "-c", path, program=DAEMON)
+                locked_daemon = Selectord(*options, "-c", path)
             except AssertionError as error:
                 self.assertIn("cannot be locked", str(error))
                 print(f"skipped: {error}")

@@ -29,7 +29,7 @@ class LatestFrame(unittest.TestCase):
     def test_the_age_of_answered_frames_stays_near_one_inference(self):
         with Listener("VDNA_LOCALISATION") as answers, Watch() as watch, Camera() as camera, \
                 Selectord("--map", WORK, "--warmup-frames", 5,
-                          program=os.environ["VDNA_STUB_SELECTORD"],
+                          "--backbone", os.environ["VDNA_STUB_BACKBONE"],
                           environment={"VDNA_STUB_US": str(NETWORK_US)}):
             with Camera30(camera, [b"picture"]) as camera30:
                 seen = [answer_of(answers.next()) for _ in range(ANSWERS)]

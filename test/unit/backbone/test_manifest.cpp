@@ -34,7 +34,8 @@ output = "map"
 l2_normalise = true
 )";
 
-// The text of the vdna::fail::Failure that reading `text` as a manifest gives; its status must be `status`.
+// The text of the vdna::fail::Failure that reading `text` as a manifest gives; its status must be
+// `status`.
 static std::string failure_of(const std::string &text, vdna_status status = VDNA_ERR_FORMAT)
 {
     const Folder folder;

@@ -17,7 +17,7 @@ class Backbone
 {
   public:
     /** Open a network; throws Error.
-     *  @param manifest, max_pixels  as in vdna_backbone_config
+     *  @param manifest, max_pixels  as in vdna_backbone_config; a plug-in is a path to a .so
      *  @param threads  compute threads, >= 1
      *  @param runtime  path of libonnxruntime.so; "" = the library finds one */
     Backbone(const std::string &manifest, uint32_t threads, const std::string &runtime = "",
@@ -31,6 +31,15 @@ class Backbone
         config.runtime = runtime.empty() ? nullptr : runtime.c_str();
         vdna_error error{};
         require(vdna_backbone_open(&config, &error, &handle_), error);
+        vdna_backbone_describe(handle_, &info_);
+    }
+    /** Open a network by a table of the caller's, with the default configuration; throws Error. */
+    explicit Backbone(const vdna_backbone_operations &operations)
+    {
+        vdna_backbone_config config;
+        vdna_backbone_config_init(&config);
+        vdna_error error{};
+        require(vdna_backbone_open_with(&operations, &config, &error, &handle_), error);
         vdna_backbone_describe(handle_, &info_);
     }
     ~Backbone() { vdna_backbone_close(handle_); }

@@ -1,8 +1,8 @@
 """Which recorded experience should a robot localise against now?
 
 The C library libvdna for NumPy: activation histograms ("Visual DNA"), the exact Earth Mover's
-Distance, ranking, nearest neighbours, the selector, experience files, and what makes two of them
-comparable.
+Distance, ranking, nearest neighbours, the selector, experience files, what makes two of them
+comparable, and the networks of the robot.
 
 Memory. Arrays go in without a copy when they have the stated dtype and are C-contiguous, and are
 converted otherwise. Arrays that come out are read-only views of the library's memory, which stays
@@ -20,6 +20,7 @@ Units. Distances of histograms are in bins; times are integers of microseconds.
 
 from ._library import Status, VdnaError, version
 from .activations import FeatureMap
+from .backbone import Backbone, BackboneFrame, BackboneInfo, NamedTap
 from .distance import RankEntry, emd, emd_mean, rank
 from .experience import Experience, open_map
 from .histogram import Histogram, HistogramView
@@ -33,6 +34,9 @@ __version__ = version()
 
 __all__ = [
     "Answer",
+    "Backbone",
+    "BackboneFrame",
+    "BackboneInfo",
     "Candidate",
     "Experience",
     "FeatureMap",
@@ -40,6 +44,7 @@ __all__ = [
     "HistogramView",
     "Identity",
     "Match",
+    "NamedTap",
     "Neighbours",
     "RankEntry",
     "Ranges",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import enum
+import functools
 import os
 from ctypes import POINTER, Structure, c_char, c_char_p, c_double, c_float, c_int32, c_int64
 from ctypes import c_size_t, c_uint32, c_uint64, c_void_p
@@ -173,6 +174,54 @@ class ExperienceFile(Structure):
     ]
 
 
+class Image(Structure):
+    _fields_ = [
+        ("data", c_void_p),
+        ("size", c_size_t),
+        ("width", c_uint32),
+        ("height", c_uint32),
+        ("row_stride", c_uint32),
+        ("pixelformat", c_uint32),
+    ]
+
+
+class BackboneConfig(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("threads", c_uint32),
+        ("max_pixels", c_uint32),
+        ("reserved", c_uint32),
+        ("manifest", c_char_p),
+        ("runtime", c_char_p),
+    ]
+
+
+class BackboneFields(Structure):
+    _fields_ = [
+        ("identity", IdentityFields),
+        ("quantised_from", c_char * 65),
+        ("runtime", c_char * 64),
+        ("tap_count", c_uint32),
+        ("input_width", c_uint32),
+        ("input_height", c_uint32),
+        ("decode_bytes", c_uint64),
+    ]
+
+
+class BackboneOutput(Structure):
+    _fields_ = [
+        ("taps", POINTER(Activations)),
+        ("embedding", c_void_p),
+        ("input", c_void_p),
+        ("tap_count", c_size_t),
+        ("dim", c_uint32),
+        ("grey", c_float),
+        ("decode_us", c_uint32),
+        ("resize_us", c_uint32),
+        ("inference_us", c_uint32),
+    ]
+
+
 def _raise_refusal(status: int, function: Any, arguments: Any) -> None:
     if status == Status.OK:
         return
@@ -268,6 +317,14 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_experience_close": (None, (POINTER(ExperienceFile),)),
         "vdna_experience_view": (None, (POINTER(ExperienceFile), POINTER(HistView))),
     }
+    return _typed(library, may_fail, direct)
+
+
+def _typed(
+    library: ctypes.CDLL,
+    may_fail: Dict[str, Tuple[Any, ...]],
+    direct: Dict[str, Tuple[Any, Tuple[Any, ...]]],
+) -> ctypes.CDLL:
     for name, arguments in may_fail.items():
         function = getattr(library, name)
         function.restype, function.argtypes = c_int32, arguments
@@ -278,7 +335,48 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
     return library
 
 
-lib = _declare(ctypes.CDLL(os.path.join(os.path.dirname(os.path.abspath(__file__)), "libvdna.so")))
+def _path_of(name: str) -> str:
+    return os.path.join(os.path.dirname(os.path.abspath(__file__)), name)
+
+
+lib = _declare(ctypes.CDLL(_path_of("libvdna.so")))
+
+
+@functools.lru_cache(maxsize=None)
+def backbone_lib() -> ctypes.CDLL:
+    """The library that runs networks, which not every wheel has."""
+    path = _path_of("libvdna_backbone.so")
+    if not os.path.exists(path):
+        raise VdnaError(
+            Status.UNSUPPORTED,
+            f"{path}: is not there: this wheel was built without libjpeg, toml++ or ONNX Runtime's"
+            " header; build it again where they are (on Debian, ./dev setup gets them)",
+        )
+    try:
+        library = ctypes.CDLL(path)
+    except OSError as error:
+        raise VdnaError(
+            Status.UNSUPPORTED,
+            f"{path}: cannot be loaded: {error}; install what it names (on Debian, libjpeg62-turbo)",
+        ) from None
+    return _typed(
+        library,
+        {
+            "vdna_backbone_open": (POINTER(BackboneConfig), POINTER(Error), POINTER(c_void_p)),
+            "vdna_backbone_run": (
+                c_void_p,
+                POINTER(Image),
+                POINTER(Error),
+                POINTER(BackboneOutput),
+            ),
+        },
+        {
+            "vdna_backbone_config_init": (None, (POINTER(BackboneConfig),)),
+            "vdna_backbone_describe": (None, (c_void_p, POINTER(BackboneFields))),
+            "vdna_backbone_cancel": (None, (c_void_p,)),
+            "vdna_backbone_close": (None, (c_void_p,)),
+        },
+    )
 
 
 def version() -> str:

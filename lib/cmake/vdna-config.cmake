@@ -1,0 +1,11 @@
+# find_package(vdna [COMPONENTS backbone]): vdna::vdna (shared), vdna::static, vdna::backbone.
+include("${CMAKE_CURRENT_LIST_DIR}/vdna-targets.cmake")
+foreach(component IN LISTS vdna_FIND_COMPONENTS)
+  include("${CMAKE_CURRENT_LIST_DIR}/vdna-${component}-targets.cmake" OPTIONAL)
+  if(TARGET vdna::${component})
+    set(vdna_${component}_FOUND TRUE)
+  elseif(vdna_FIND_REQUIRED_${component})
+    set(vdna_FOUND FALSE)
+    set(vdna_NOT_FOUND_MESSAGE "vdna is installed here without its component ${component}")
+  endif()
+endforeach()
