@@ -87,8 +87,8 @@ vdna_status vdna_hist_add(vdna_hist *hist, const vdna_activations *taps, size_t 
     return VDNA_OK;
 }
 
-/* The contracts of these three are proved in test/hostile/proof; the prover handles sums more easily
- * as differences. */
+/* The contracts of these three are proved in test/hostile/proof. The prover handles these sums more
+ * easily as differences. */
 /*@ requires \valid(to + (0 .. words - 1)) && \valid_read(from + (0 .. words - 1));
     requires \separated(to + (0 .. words - 1), from + (0 .. words - 1));
     requires \forall integer i; 0 <= i < words ==> to[i] <= UINT32_MAX - from[i];
