@@ -1,4 +1,4 @@
-/* The shape of a frame: what its taps add up to. Private to the core. */
+/* The shape of a frame: the total over its taps. Private to the core. */
 #ifndef VDNA_CORE_SHAPE_H
 #define VDNA_CORE_SHAPE_H
 
