@@ -1,5 +1,5 @@
 /** @file vdna/baseline.h
- *  @brief What Visual DNA is compared with, and how rankings are judged.
+ *  @brief Baselines for Visual DNA, and metrics of rankings.
  *
  *  Baselines: Frechet distance of embeddings, pixel intensity, chance. Metrics: how much recall a
  *  predicted ranking loses against the true one. Definitions: docs/internals/DESIGN.md, Metrics.
@@ -33,8 +33,8 @@ VDNA_API vdna_status vdna_intensity(const float *a, uint32_t frames_a, const flo
                                     uint32_t frames_b, double *out_distance);
 
 /** Recalls, and the distances that should predict them, of every query against every reference.
- *  A recall that is NaN says that this query was not localised against this reference (usually
- *  because it is the query itself); such pairs take no part. */
+ *  A NaN recall marks a query that was not localised against this reference, usually because it is
+ *  the query itself; such pairs are left out. */
 typedef struct vdna_ranking_table {
     const double *recall;   /**< [queries][references], percent, higher is better */
     const double *distance; /**< [queries][references], lower is nearer; NULL = random ranking: each
