@@ -40,7 +40,8 @@ def parsed(arguments):
     parser.add_argument("folder", type=Path, help="where NAME.onnx and NAME.toml are written")
     parser.add_argument("--name", type=plain_name, help="default: from kind, depth and width")
     parser.add_argument("--size", type=size, metavar="HEIGHTxWIDTH",
-                        help="of the pictures; default: 224x224, or for vit the size of its positions")
+                        help="of the pictures; default: 224x224, or for vit the size of its "
+                        "positions")
     parser.add_argument("--taps", choices=("last", "all"), default="last",
                         help="outputs besides the embedding: last (default) gives vit's tokens or "
                         "cosplace's layer1 to layer4; all gives every block as well")
