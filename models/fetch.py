@@ -210,8 +210,8 @@ def main():
     parser.add_argument("--deps", type=Path, default=HERE.parent / "build" / "deps",
                         help="folder to fill (default: build/deps)")
     parser.add_argument("--runtime-for", metavar="MACHINE",
-                        help="only ONNX Runtime, for x86_64 or aarch64: the rest runs on this machine "
-                        "or is portable")
+                        help="only ONNX Runtime, for x86_64 or aarch64: the rest runs on this "
+                        "machine or is portable")
     parser.add_argument("--network", choices=NETWORKS,
                         help="only ONNX Runtime and this network, enough for the demo")
     options = parser.parse_args()

@@ -1,4 +1,4 @@
-// Resizing: by hand where pictures are small, beside OpenCV where they are not.
+// Resizing: small pictures by hand, others beside OpenCV.
 #include <cmocka.hpp>
 #include <counted_new.hpp>
 
@@ -22,7 +22,7 @@ static int random_from(int least, int most)
 
 static cv::Mat noise(cv::Size size, int channels)
 {
-    // Rows of a wider picture, so that they do not follow one another.
+    // Rows of a wider picture, so that they are not contiguous.
     cv::Mat wider(size.height, size.width + 3, CV_8UC(channels));
     for (int y = 0; y < wider.rows; y++)
         for (int i = 0; i < wider.cols * channels; i++) {
