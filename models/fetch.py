@@ -19,7 +19,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 
-# SHA-256 of wheels on PyPI, by machine where they differ.
+# SHA-256 of wheels on PyPI, by machine if they differ.
 WHEELS = {
     "onnxruntime==1.28.0": {
         "x86_64": "a166b78ee04f3a37fa1ef82034b6a3ce96d9684e582d4d30b296de83e9998bb5",

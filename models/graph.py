@@ -57,6 +57,6 @@ class Graph:
                          pads=[before, before, after, after], group=group)
 
     def serialised(self):
-        """Return the ONNX file; the same weights give the same bytes whatever version of onnx."""
+        """Return the ONNX file; the same weights give the same bytes with any version of onnx."""
         self.model.graph.name = self.name
         return self.model.SerializeToString(deterministic=True)

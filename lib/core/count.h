@@ -21,7 +21,7 @@ void vdna_count_frame(vdna_hist *hist, const vdna_activations *taps, size_t tap_
 
 /* Take out a frame that vdna_count_frame() counted.
  * @param taps   shape of that frame; its values are ignored
- * @param slots  what vdna_count_frame() wrote */
+ * @param slots  the slots from vdna_count_frame() */
 void vdna_uncount_frame(vdna_hist *hist, const vdna_activations *taps, size_t tap_count,
                         const uint16_t *slots);
 

@@ -41,7 +41,7 @@ static const uint32_t tables[8][256] = {
           0x34019664u),
 };
 
-/* Compilers make this one load where the machine allows it. */
+/* Compilers turn this into one load if the machine allows it. */
 static uint32_t little_endian(const unsigned char *bytes)
 {
     return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |

@@ -58,7 +58,7 @@ class Resampler
     Size to_;
     std::unique_ptr<Method> usual_;   // by the interpolation's name
     std::unique_ptr<Method> whole_;   // for whole ratios, which OpenCV rounds differently
-    std::unique_ptr<Method> growing_; // `area` where a side grows
+    std::unique_ptr<Method> growing_; // `area` if a side grows
     Method *method_ = nullptr;        // of the current picture
 };
 

@@ -1,4 +1,4 @@
-/* Private: what a vdna_transport holds. */
+/* Private: the contents of a vdna_transport. */
 #ifndef VDNA_CONNECTION_H
 #define VDNA_CONNECTION_H
 

@@ -1,7 +1,7 @@
 """Tests of models/export.py: its ONNX files against PyTorch, and its refusals.
 
 export.json and tiny_*.pth are by PyTorch (make_export.py). The networks of full size get their
-weights from a generator, for a checkpoint of 350 MB is not for a repository.
+weights from a generator, because a repository is no place for a checkpoint of 350 MB.
 """
 import contextlib
 import io
@@ -36,7 +36,7 @@ BINS, LOW, HIGH = 50, -1.0, 2.0  # some activations lie beyond, some on edges
 
 
 class Generated(Tensor):
-    """A tensor whose elements are made when they are wanted."""
+    """A tensor whose elements are made on demand."""
 
     def __init__(self, name, shape):
         self.name, self.shape = name, shape
@@ -51,7 +51,7 @@ def generated_checkpoint(case):
 
 
 def quietly(function, *arguments):
-    """Return what the function prints."""
+    """Return the function's output."""
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         function(*arguments)
     return printed.getvalue()
@@ -69,7 +69,7 @@ def export_file(kind, case, folder, *more):
 
 
 class Outputs:
-    """What a network gives for the pictures of its case, by export_check."""
+    """A network's outputs for the pictures of its case, by export_check."""
 
     def __init__(self, manifest, case, folder):
         pictures = []

@@ -62,7 +62,7 @@ typedef struct vdna_ranking_metrics {
 
 /** Judge a table of distances against a table of recalls. Ties in either order are broken by the
  *  order of the references, as vdna_rank_sort() does.
- *  @param table        distances finite where there is a recall
+ *  @param table        finite distances wherever there is a recall
  *  @param out_metrics  each in its own unit
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NONFINITE if a pair with a recall has no finite
  * distance; VDNA_ERR_EMPTY if there is no pair at all; VDNA_ERR_NOMEM */

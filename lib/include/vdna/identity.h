@@ -31,7 +31,7 @@ extern "C" {
 /** Everything that must agree for two Visual DNAs to be compared. Texts are NUL-terminated. */
 typedef struct vdna_identity {
     char backbone[VDNA_NAME_SIZE]; /**< name in the backbone's manifest, passes vdna_name_check();
-                                        for people: names may differ where networks do not */
+                                        for people: one network may have several names */
     char model_sha256[VDNA_SHA256_SIZE];         /**< of the ONNX file */
     char preprocessing[VDNA_PREPROCESSING_SIZE]; /**< canonical text from the backbone, 1 to 511
                                                       printable ASCII characters */
@@ -55,19 +55,19 @@ typedef struct vdna_tap {
 } vdna_tap;
 
 /** Check the fields: alphabets and lengths of the texts, taps that parse and add up to `neurons`,
- *  bins and range where they are known.
+ *  bins and range if known.
  *  @param identity  any bytes
  *  @param error  names the field, what was found and what was expected; NULL = not wanted
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_MISMATCH if the taps do not add up */
 VDNA_API vdna_status vdna_identity_check(const vdna_identity *identity, vdna_error *error);
 
 /** Check that Visual DNAs of two identities may be compared: same model, preprocessing, taps,
- *  neurons, and, where both are known, dim, bins and range (by its bits).
+ *  neurons, and, if known to both, dim, bins and range (by its bits).
  *  @param a, b   texts are NUL-terminated; `range` has `neurons` rows or is NULL
  *  @param error  names the first field that differs and both values: "bins is 4 in one and 8 in the
  *                other", `one` being a. If models differ because their precision does, it names the
- *                precision. Long values are shown from where they differ. The caller adds where it
- *                happened and what to do. NULL = not wanted
+ *                precision. Long values are shown from where they differ. The caller adds the place
+ *                and the remedy. NULL = not wanted
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_MISMATCH */
 VDNA_API vdna_status vdna_identity_compare(const vdna_identity *a, const vdna_identity *b,
                                            vdna_error *error);
@@ -94,8 +94,8 @@ VDNA_API vdna_status vdna_identity_hash(const vdna_identity *identity,
 VDNA_API const char *vdna_identity_precision(const vdna_identity *identity);
 
 /** Read the next tap of a list.
- *  @param text  at first points to a list of taps; after VDNA_OK to what follows the tap; otherwise
- *               unchanged
+ *  @param text  at first points to a list of taps; after VDNA_OK to the text after the tap;
+ *               otherwise unchanged
  *  @param out_tap  its name is borrowed from the list
  *  @return VDNA_OK; VDNA_ERR_EMPTY at the end of the list; VDNA_ERR_FORMAT if the next entry is not
  *          NAME:NEURONS:SAMPLES, or a ',' ends the list; VDNA_ERR_ARG */

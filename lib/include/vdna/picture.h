@@ -2,7 +2,7 @@
  *  @brief Pictures as cameras send them, decoded to 8-bit pixels.
  *
  *  A network is given these pixels: vdna_backbone_run() decodes with the same code, so a program
- * that looks at a picture through this header sees what its Visual DNA was made of. The same bytes
+ * that looks at a picture through this header sees the pixels behind its Visual DNA. The same bytes
  * give the same pixels on every processor.
  */
 #ifndef VDNA_PICTURE_H

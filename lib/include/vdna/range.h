@@ -1,5 +1,5 @@
 /** @file vdna/range.h
- *  @brief Ranges: where each neuron's histogram begins and ends.
+ *  @brief Ranges: the outer edges of each neuron's histogram.
  *
  *  A range table is `float[neurons][2]`, lo and hi of each neuron in activation units, exactly as
  *  the `range` tensor of an experience file. It is calibrated once from pictures of the map and

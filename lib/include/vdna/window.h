@@ -56,11 +56,11 @@ typedef struct vdna_window_config {
     uint32_t capacity;            /**< most frames in the window, >= 1; UINT32_MAX in a first window
                                        by time: as many as come */
     int64_t length_us;            /**< T, >= 1; 0 = by frames, whatever their time (default) */
-    const vdna_activations *taps; /**< [tap_count], what each frame looks like; `values` is ignored.
-                                       A last window takes frames of this shape (neurons, samples
-                                       and layout of each tap) and borrows it as long as it is in
-                                       use; a first window needs only the sum of the neurons, and
-                                       only in vdna_window_init() */
+    const vdna_activations *taps; /**< [tap_count], the shape of each frame; `values` is ignored. A
+                                       last window takes frames of this shape (neurons, samples and
+                                       layout of each tap) and borrows it as long as it is in use; a
+                                       first window needs only the sum of the neurons, and only in
+                                       vdna_window_init() */
     size_t tap_count;             /**< >= 1 */
     const float *range;           /**< [neurons of all taps][2], passes vdna_range_check();
                                        borrowed as long as the window is in use */

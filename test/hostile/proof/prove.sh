@@ -10,7 +10,7 @@ trap 'rm -rf "$folder"' EXIT
 export WHY3CONFIG="$folder/why3.conf"
 why3 -C "$WHY3CONFIG" config detect >/dev/null 2>&1
 
-# Steps and not seconds decide, so that a busy machine proves as much as an idle one.
+# The limit is in steps, not seconds, so that a busy machine proves as much as an idle one.
 frama-c -cpp-extra-args="-I lib/include" -wp -wp-rte -wp-prover cvc4 -wp-steps 20000000 \
     -wp-timeout 300 -wp-par 2 -wp-fct "$@" | tee "$folder/log"
 grep -Eq 'Proved goals: +([0-9]+) / \1$' "$folder/log"

@@ -77,7 +77,7 @@ static vdna_backbone *opened(const Recipe &recipe = {})
     return backbone;
 }
 
-// Opening what `recipe` makes fails with `status`, and the sentence holds `words`.
+// Opening the network of `recipe` fails with `status`, in a sentence with `words`.
 static void assert_not_opened(const Recipe &recipe, vdna_status status, const std::string &words,
                               const char *runtime = nullptr)
 {

@@ -160,8 +160,8 @@ static void assert_as_opencv(const Way &way, cv::Size from, cv::Size to, int cha
     cv::Mat expected;
     cv::resize(picture, expected, to, 0, 0, way.opencv);
     const Difference found = between(resized(way.ours, picture, to), expected);
-    // Where `area` sums floats, in another order than OpenCV, one in a thousand may round
-    // otherwise.
+    // `area` may sum floats in another order than OpenCV, so one in a thousand may round
+    // differently.
     const bool is_whole = from.width % to.width == 0 && from.height % to.height == 0;
     const bool sums_floats = way.ours == Interpolation::area && !is_whole &&
                              from.width >= to.width && from.height >= to.height;

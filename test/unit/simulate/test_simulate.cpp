@@ -51,7 +51,7 @@ static double difference(const cv::Mat3b &a, const cv::Mat3b &b)
     return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total() * 3);
 }
 
-// Where the edges are, whatever their colours; blurred, so that noise does not count.
+// The edges, independent of their colours; blurred, so that noise does not count.
 static cv::Mat1f edges(const cv::Mat3b &picture)
 {
     cv::Mat grey, right, down, strength;

@@ -73,7 +73,7 @@ static vdna_listener *open_with(const vdna_listener_config *config)
     return listener;
 }
 
-// Listen to what the log has by now.
+// Listen to the log as written so far.
 static vdna_listener *listen_to(log_file *log, const vdna_listener_channel *channels,
                                 uint32_t count)
 {
