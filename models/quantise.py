@@ -45,8 +45,8 @@ def parsed():
                                      epilog="See models/README.md, int8.")
     parser.add_argument("manifest", type=Path, help="NAME.toml of the fp32 network")
     parser.add_argument("--pictures", nargs="+", metavar="SOURCE", default=[],
-                        help="folders, videos or LCM logs like those the robot will see; one or two "
-                        "hundred pictures suffice. A transformer needs none")
+                        help="folders, videos or LCM logs like those the robot will see; one or "
+                        "two hundred pictures suffice. A transformer needs none")
     parser.add_argument("--every", type=int, default=1, metavar="N",
                         help="use every N-th picture only")
     parser.add_argument("-o", "--out", type=Path, required=True, metavar="OUT.toml",
