@@ -9,16 +9,16 @@
 
 #include "journal.h"
 
-/* Bytes of the longest path that Linux takes. */
+/* Bytes of the longest path that Linux accepts. */
 #define PATH_SIZE 4096
 
-/* The experience files of a directory, by the bytes of their names. */
+/* The experience files of a directory, sorted by the bytes of their names. */
 typedef struct listing {
     vdna_map_file *files; /* [count], allocated */
     uint32_t count;
 } listing;
 
-/* Hidden files are left out: tools that copy put their own beside, as "._winter.vdna". */
+/* Hidden files are left out: copying tools put their own beside ours, such as "._winter.vdna". */
 static int is_experience(const struct dirent *entry)
 {
     const size_t length = strlen(entry->d_name), ending = strlen(VDNA_MAP_EXTENSION);
@@ -40,7 +40,7 @@ static vdna_status refused(const char *directory, vdna_error *error)
                      directory, strerror(errno));
 }
 
-/* Append a file that bears its own name. @return 0 if there is no memory left */
+/* Append a file under its own name. @return 0 if there is no memory left */
 static int append(listing *list, const char *name)
 {
     vdna_map_file *files = realloc(list->files, ((size_t)list->count + 1) * sizeof *files);
@@ -61,14 +61,14 @@ static vdna_map_file *find(const listing *list, const char *name)
     return NULL;
 }
 
-/* Put the files of an update that was interrupted in the place of those that they replace. */
+/* Let the files of an interrupted update replace the old ones in the list. */
 static int apply(const vdna_journal *journal, int directory, listing *list)
 {
     for (uint32_t i = 0; i < journal->count; i++) {
         const vdna_journal_entry *entry = &journal->entries[i];
         struct stat about;
         if (fstatat(directory, entry->partial, &about, AT_SYMLINK_NOFOLLOW) != 0)
-            continue; /* it bears its name already */
+            continue; /* it has its name already */
         if (!find(list, entry->name) && !append(list, entry->name))
             return 0;
         memcpy(find(list, entry->name)->file, entry->partial, sizeof entry->partial);

@@ -16,7 +16,7 @@
 /* Far more than the lines of any map. */
 #define JOURNAL_BYTES_MAX (16u << 20)
 
-/* Bytes of the longest path that Linux takes. */
+/* Bytes of the longest path that Linux accepts. */
 #define PATH_SIZE 4096
 
 static vdna_status damaged(const char *path, vdna_error *error)
@@ -62,7 +62,8 @@ static vdna_status read_text(int file, const char *path, vdna_error *error, char
     return VDNA_OK;
 }
 
-/* Copy a file's name that ends at `mark`. @return where the next one begins; NULL if it is none */
+/* Copy a file's name that ends at `mark`. @return the start of the next one; NULL if it is not a
+ * file name */
 static const char *take_name(const char *text, char mark, char out_name[VDNA_MAP_FILE_SIZE])
 {
     const size_t length = strcspn(text, "/ \n");
@@ -161,7 +162,7 @@ vdna_status vdna_journal_finish(int directory, const char *path, const vdna_jour
 {
     for (uint32_t i = 0; i < journal->count; i++) {
         const vdna_journal_entry *entry = &journal->entries[i];
-        /* One that is not there was renamed before the interruption. */
+        /* A missing file was renamed before the interruption. */
         if (renameat(directory, entry->partial, directory, entry->name) != 0 && errno != ENOENT)
             return vdna_fail(
                 error, VDNA_ERR_IO,
@@ -169,7 +170,7 @@ vdna_status vdna_journal_finish(int directory, const char *path, const vdna_jour
                 " next `vdna build` of this map goes on with it",
                 path, entry->name, entry->partial, strerror(errno));
     }
-    /* The names must be on the disk before what says that they are still to come is gone. */
+    /* The names must be on disk before the journal that announces them is removed. */
     if (vdna_replace_sync(directory) != 0)
         return refused(path, "fsync the directory of", error);
     if (unlinkat(directory, VDNA_JOURNAL_NAME, 0) != 0 && errno != ENOENT)

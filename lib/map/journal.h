@@ -1,6 +1,7 @@
-/* Private to lib/map: which new files of a map have taken the place of old ones, although they do
- * not bear their names yet. The file `.commit` in the map's directory says so, from the one rename
- * that makes an update of several files final until all of them are renamed (docs/reference/SPEC-map.md). */
+/* Private to lib/map: the journal of an update, the file `.commit` in the map's directory. It lists
+ * new files that already replace old ones but do not have their names yet. The one rename that
+ * creates it makes an update of several files final; it is removed once all of them are renamed
+ * (docs/reference/SPEC-map.md). */
 #ifndef VDNA_JOURNAL_H
 #define VDNA_JOURNAL_H
 
@@ -8,7 +9,7 @@
 
 #define VDNA_JOURNAL_NAME ".commit"
 
-/* A new file that is complete, and what it is to be called. */
+/* A complete new file, and the name it will get. */
 typedef struct vdna_journal_entry {
     char partial[VDNA_MAP_FILE_SIZE];
     char name[VDNA_MAP_FILE_SIZE];
@@ -19,19 +20,19 @@ typedef struct vdna_journal {
     uint32_t count;
 } vdna_journal;
 
-/* Read the journal of a directory; one that is not there is empty.
+/* Read the journal of a directory; a missing one is empty.
  * @param directory  a descriptor
- * @param path  of it, for the error
+ * @param path  its path, for the error
  * @param out_journal  to be freed with vdna_journal_free()
  * @return VDNA_OK; VDNA_ERR_IO; VDNA_ERR_FORMAT; VDNA_ERR_NOMEM */
 vdna_status vdna_journal_read(int directory, const char *path, vdna_error *error,
                               vdna_journal *out_journal);
 
-/* Write it durably: from then on the update is final.
+/* Write the journal durably: from then on the update is final.
  * @return VDNA_OK; VDNA_ERR_IO; VDNA_ERR_NOMEM */
 vdna_status vdna_journal_write(const char *path, const vdna_journal *journal, vdna_error *error);
 
-/* Rename what it lists and is not renamed yet, and remove it. May be repeated.
+/* Rename the listed files that are not renamed yet, then remove the journal. May be repeated.
  * @return VDNA_OK; VDNA_ERR_IO */
 vdna_status vdna_journal_finish(int directory, const char *path, const vdna_journal *journal,
                                 vdna_error *error);

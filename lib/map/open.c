@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The bytes of a file, read-only; they stay when the file is replaced or deleted. */
+/* The bytes of a file, read-only; they survive replacing or deleting the file. */
 typedef struct file_bytes {
     void *bytes;
     size_t size;
@@ -45,7 +45,7 @@ static vdna_status map_descriptor(int descriptor, const char *path, vdna_error *
 
 static vdna_status map_file(const char *path, vdna_error *error, file_bytes *out_file)
 {
-    /* O_NONBLOCK, so that a FIFO under the name of an experience is refused and not waited for. */
+    /* O_NONBLOCK, so that a FIFO named like an experience is refused instead of waited for. */
     const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (descriptor < 0)
         return refused(path, "open", error);
@@ -93,7 +93,7 @@ void vdna_experience_close(vdna_experience *experience)
 {
     if (!experience)
         return;
-    /* The cast takes const away, which is for callers: munmap() changes no byte. */
+    /* The cast drops const, which is for callers: munmap() changes no byte. */
     if (experience->file_bytes)
         munmap((void *)experience->file_bytes, experience->file_size);
     memset(experience, 0, sizeof *experience);

@@ -11,7 +11,7 @@
 #include "journal.h"
 #include "write.h"
 
-/* Bytes of the longest path that Linux takes. */
+/* Bytes of the longest path that Linux accepts. */
 #define PATH_SIZE 4096
 
 struct vdna_map_update {
@@ -29,11 +29,11 @@ static vdna_status lock(const vdna_map_update *update, vdna_error *error)
                          "%s: another program is changing this map; wait until it has ended, then"
                          " try again",
                          update->path);
-    /* A file system without locks: as good as it gets. */
+    /* The file system has no locks: go on without. */
     return VDNA_OK;
 }
 
-/* Remove what writers left that are gone. Best effort: nothing reads such files. */
+/* Remove the leftovers of dead writers. Best effort: nothing reads such files. */
 static void remove_orphans(const vdna_map_update *update)
 {
     DIR *listing = opendir(update->path);
@@ -46,7 +46,7 @@ static void remove_orphans(const vdna_map_update *update)
     closedir(listing);
 }
 
-/* Finish an update that was interrupted after it was final, and clear up after others. */
+/* Finish an update that was interrupted after becoming final, and remove other leftovers. */
 static vdna_status recover(const vdna_map_update *update, vdna_error *error)
 {
     vdna_journal interrupted;
@@ -130,7 +130,7 @@ vdna_status vdna_map_update_add(vdna_map_update *update, const vdna_experience *
     return status;
 }
 
-/* Refuse what a rename would refuse, while nothing has happened yet. */
+/* Refuse what a rename would refuse, before anything has changed. */
 static vdna_status check_places(const vdna_map_update *update, vdna_error *error)
 {
     for (uint32_t i = 0; i < update->staged.count; i++) {
@@ -156,7 +156,7 @@ vdna_status vdna_map_update_commit(vdna_map_update *update, vdna_error *error)
     if (!update)
         return vdna_fail(error, VDNA_ERR_ARG, "map to update: it is missing");
     vdna_status status = check_places(update, error);
-    /* The names of the new files must be on the disk before what lists them. */
+    /* The names of the new files must be on disk before the journal that lists them. */
     if (status == VDNA_OK && vdna_replace_sync(update->directory) != 0)
         status = vdna_fail(error, VDNA_ERR_IO,
                            "%s: cannot fsync this directory: %s; the map is"
@@ -167,7 +167,7 @@ vdna_status vdna_map_update_commit(vdna_map_update *update, vdna_error *error)
     if (status != VDNA_OK)
         return status;
     status = vdna_journal_finish(update->directory, update->path, &update->staged, error);
-    /* Final, whether or not the last step went well: the new files are no longer ours to remove. */
+    /* Final even if the last step failed: the new files are no longer ours to remove. */
     update->staged.count = 0;
     return status;
 }

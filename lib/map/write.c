@@ -11,7 +11,8 @@
 #include "layout.h"
 #include "rules.h"
 
-/* Taps, preprocessing and five short texts, each byte escaped, and about 100 bytes for each tensor.
+/* Room for taps, preprocessing and five short texts with every byte escaped, plus about 100 bytes
+ * per tensor.
  */
 #define HEADER_SIZE 12288u
 
@@ -32,7 +33,7 @@ append(header_text *text, const char *format, ...)
     const size_t room = sizeof text->bytes - text->size;
     const int length = vsnprintf(text->bytes + text->size, room, format, arguments);
     va_end(arguments);
-    /* The fields have a known size: only a change of this file can get here. */
+    /* The fields have known sizes: only a change of this file can get here. */
     assert(length >= 0 && (size_t)length < room);
     text->size += (size_t)length;
 }
@@ -90,7 +91,7 @@ static void make_header(const vdna_experience *e, const vdna_field fields[VDNA_F
         }
     append_tensor(out_text, &crc, &offset);
     append(out_text, "}");
-    /* The data begins behind the header, where 8-byte numbers must be aligned. */
+    /* The data follows the header and begins with 8-byte numbers, which must be aligned. */
     while (out_text->size % 8 != 0)
         append(out_text, " ");
 

@@ -1,4 +1,4 @@
-/* Private to lib/map: the bytes of an experience, into a file that is being made. */
+/* Private to lib/map: writes an experience into a new file that has no name yet. */
 #ifndef VDNA_WRITE_H
 #define VDNA_WRITE_H
 
@@ -6,9 +6,9 @@
 
 #include "replace/replace.h"
 
-/* Check an experience and write it beside `path`; what it makes has no name yet.
- * @return VDNA_OK, and `out_file` is to be committed, staged or abandoned; what
- *         vdna_experience_write() returns */
+/* Check an experience and write it beside `path`, without giving it that name yet.
+ * @return VDNA_OK, and the caller commits, stages or abandons `out_file`; otherwise as
+ *         vdna_experience_write() */
 vdna_status vdna_write_beside(const vdna_experience *experience, const char *path,
                               vdna_error *error, vdna_replace *out_file);
 

@@ -80,8 +80,7 @@ void AreaMeans::add_rows(const Taps<float>::Span &span)
 
 void AreaMeans::next_row(uint8_t *out)
 {
-    // As many numbers are added at once, whatever the channels: those beyond a pixel's are not
-    // used.
+    // Always add the most channels at once: lanes beyond the pixel's channels are not used.
     using Four = float __attribute__((vector_size(channels_max * sizeof(float))));
     const size_t channels = picture_.channels;
     add_rows(rows_.spans[next_++]);

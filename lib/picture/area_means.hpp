@@ -7,8 +7,8 @@
 namespace vdna::picture
 {
 
-// As cv::INTER_AREA where neither side grows and not both ratios are whole; sums of floats, in an
-// order that a map's numbers depend on.
+// cv::INTER_AREA if neither side grows and not both ratios are whole. Sums of floats, in an order
+// that existing maps depend on.
 class AreaMeans : public Method
 {
   public:

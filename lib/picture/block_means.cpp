@@ -21,7 +21,7 @@ VDNA_VECTORISED void add_row(const uint8_t *row, size_t count, uint32_t *sums)
         sums[i] += row[i];
 }
 
-// Of 2x2 pixels, whose rows are added up already. Halves are rounded up.
+// Of 2x2 pixels; the rows are already added up. Halves are rounded up.
 template <size_t Channels>
 VDNA_VECTORISED void quarters(const uint32_t *sums, uint32_t width, uint8_t *__restrict out)
 {

@@ -6,7 +6,7 @@
 namespace vdna::picture
 {
 
-// As cv::INTER_AREA where both ratios are whole: integer sums, and rounding of its own.
+// cv::INTER_AREA if both ratios are whole: integer sums, with its own rounding.
 class BlockMeans : public Method
 {
   public:

@@ -35,7 +35,7 @@ std::string fourcc_text(uint32_t pixelformat)
                             std::to_string(image.size) + " bytes: expected " + expected);
 }
 
-// Bytes from row to row, checked against what a row needs.
+// Bytes from row to row, checked against the size of a row.
 size_t stride_of(const vdna_image &image, size_t row_bytes)
 {
     if (image.row_stride == 0)
@@ -82,7 +82,8 @@ Decoder::Decoder(uint32_t max_pixels)
 uint64_t Decoder::bytes_max(uint32_t max_pixels)
 {
     // libjpeg keeps all coefficients of a progressive picture, two bytes each for up to three
-    // components, whose sides it rounds up to whole blocks of at most 32 pixels; else a few rows.
+    // components, whose sides it rounds up to whole blocks of at most 32 pixels. Other pictures
+    // take a few rows.
     constexpr uint64_t block = 32, components = 3, row_bytes = 4u << 20;
     const uint64_t edge = VDNA_IMAGE_SIDE_MAX + max_pixels / VDNA_IMAGE_SIDE_MAX + block;
     const uint64_t padded = max_pixels + block * edge;
@@ -128,7 +129,7 @@ vdna_pixels Decoder::own_bgr(uint32_t width, uint32_t height) const
     return {bgr_.get(), size_t{width} * bgr_channels, width, height, bgr_channels, {2, 1, 0}};
 }
 
-// Pixels that are used where they are.
+// Pixels used in place.
 vdna_pixels Decoder::packed(const vdna_image &image, uint32_t channels, bool bgr) const
 {
     check_sides(image.width, image.height, max_pixels_);

@@ -105,7 +105,7 @@ void narrow_at_end(const uint8_t *row, uint32_t channels, const ColumnTap *taps,
         }
 }
 
-// Each product loses its lower bits for itself, as 16-bit vectors make it.
+// Each product drops its lower bits separately, as 16-bit vector instructions do.
 VDNA_VECTORISED void blend_two(const int32_t *const *rows, const int16_t *weights, size_t count,
                                uint8_t *out)
 {
@@ -123,7 +123,7 @@ VDNA_VECTORISED void blend_four(const int32_t *const *rows, const int16_t *weigh
     constexpr float unit = 1.0f / (one * one);
     const float of_a = weights[0] * unit, of_b = weights[1] * unit, of_c = weights[2] * unit,
                 of_d = weights[3] * unit;
-    // OpenCV for x86-64 sums floats eight at a time, and what is left over as integers.
+    // OpenCV for x86-64 sums floats eight at a time, and the remainder as integers.
     const size_t vectors = count / 8 * 8;
     for (size_t i = 0; i < vectors; i++) {
         const float sum = static_cast<float>(a[i]) * of_a +
@@ -173,7 +173,8 @@ void FixedPoint::place(uint32_t from, std::vector<Weighed> &axis) const
     for (uint32_t i = 0; i < to; i++) {
         Position position =
             kernel_ == Kernel::grown_area ? grown(i, scale, inverse) : between(i, scale);
-        // Of rows outside OpenCV takes the outermost twice, of columns once: it rounds differently.
+        // Outside the picture OpenCV takes the outermost row twice but the outermost column once,
+        // which rounds differently.
         if (&axis == &columns_ && taps_ == 2 && (position.at < 0 || position.at >= last))
             position = {std::clamp(position.at, 0, last), 0.0f};
         axis[i] = {position.at - static_cast<int32_t>(taps_ / 2 - 1),

@@ -1,4 +1,4 @@
-// Two or four source pixels to an output pixel and axis, weighed in units of 2^-11.
+// Two or four source pixels per output pixel and axis, with weights in units of 2^-11.
 #pragma once
 
 #include <array>
@@ -15,12 +15,12 @@ struct ColumnTap {
     float weight;    // a whole number
 };
 
-// As OpenCV resizes 8-bit pictures: columns first, into integers, then rows, rounded once.
+// OpenCV's resizing of 8-bit pictures: columns first, into integers, then rows, rounded once.
 class FixedPoint : public Method
 {
   public:
-    // linear, cubic: cv::INTER_LINEAR, cv::INTER_CUBIC. grown_area: what cv::INTER_AREA is where a
-    // side grows: linear, with output pixels that lie within one source pixel taking its colour.
+    // linear, cubic: cv::INTER_LINEAR, cv::INTER_CUBIC. grown_area: cv::INTER_AREA if a side grows:
+    // linear, but output pixels within one source pixel take its colour.
     enum class Kernel { linear, cubic, grown_area };
 
     FixedPoint(Kernel kernel, Size to);
@@ -33,7 +33,7 @@ class FixedPoint : public Method
 
     // The source pixels of an output pixel along one axis.
     struct Weighed {
-        int32_t first; // also outside the picture, where the outermost pixel is taken
+        int32_t first; // may lie outside the picture: then the outermost pixel is taken
         std::array<int16_t, taps_max> weights;
     };
 

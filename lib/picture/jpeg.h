@@ -1,5 +1,5 @@
-/* JPEG pictures, decoded completely or refused: libjpeg alone would fill the hole of a damaged one
- * with grey, and tell only stderr. */
+/* JPEG pictures, decoded completely or refused: libjpeg alone would fill the gaps of a damaged one
+ * with grey and report them only on stderr. */
 #ifndef VDNA_JPEG_H
 #define VDNA_JPEG_H
 

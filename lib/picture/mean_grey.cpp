@@ -41,7 +41,7 @@ std::array<uint64_t, 4> sums_of(const vdna_pixels &pixels)
 
 float mean_grey(const vdna_pixels &pixels)
 {
-    // The weighted sum is linear, so the mean of it is that of the channels' means.
+    // The weighted sum is linear, so its mean is that of the channels' means.
     const std::array<uint64_t, 4> sums = sums_of(pixels);
     const double per_pixel = 1.0 / static_cast<double>(uint64_t{pixels.width} * pixels.height);
     const auto mean = [&](int channel) {

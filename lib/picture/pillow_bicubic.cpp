@@ -13,7 +13,7 @@ namespace
 
 constexpr int bits = 22;
 constexpr int32_t half = 1 << (bits - 1);
-constexpr double support = 2.0; // source pixels to either side, where the picture does not shrink
+constexpr double support = 2.0; // source pixels to either side, unless the picture shrinks
 
 // Keys' cubic convolution with a = -0.5.
 double bicubic(double x)
@@ -36,7 +36,7 @@ uint8_t level_of(int32_t sum)
     return static_cast<uint8_t>(std::clamp(sum >> bits, 0, 255));
 }
 
-// Most source pixels of one output pixel: twice what lies to either side, and one.
+// Most source pixels of one output pixel: both sides and the centre.
 size_t span_max(uint32_t from, uint32_t to)
 {
     const double scale = std::max(static_cast<double>(from) / to, 1.0);

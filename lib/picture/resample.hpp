@@ -8,8 +8,8 @@
 namespace vdna::picture
 {
 
-// area, linear, cubic: as OpenCV, to the last bit, with what it calls INTER_AREA, INTER_LINEAR and
-// INTER_CUBIC. pillow_bicubic: as Python's Pillow, to the last bit.
+// area, linear, cubic: OpenCV's INTER_AREA, INTER_LINEAR and INTER_CUBIC, to the last bit.
+// pillow_bicubic: Python's Pillow, to the last bit.
 enum class Interpolation { area, linear, cubic, pillow_bicubic };
 
 struct Size {
@@ -57,8 +57,8 @@ class Resampler
     Interpolation interpolation_;
     Size to_;
     std::unique_ptr<Method> usual_;   // by the interpolation's name
-    std::unique_ptr<Method> whole_;   // for whole ratios, where OpenCV rounds otherwise
-    std::unique_ptr<Method> growing_; // `area` where a side grows
+    std::unique_ptr<Method> whole_;   // for whole ratios, which OpenCV rounds differently
+    std::unique_ptr<Method> growing_; // `area` if a side grows
     Method *method_ = nullptr;        // of the current picture
 };
 

@@ -21,7 +21,7 @@ constexpr size_t pairs_at_once = 64;
 
 using Sixteen = uint8_t __attribute__((vector_size(16)));
 
-// What the first byte of four is called where they are written at once.
+// Four bytes are written as one number, so the first byte must be its lowest.
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "blue must be the lowest of four bytes");
 
 inline uint32_t level(int32_t sum)
@@ -29,9 +29,9 @@ inline uint32_t level(int32_t sum)
     return static_cast<uint32_t>(std::clamp(sum >> bits, 0, 255));
 }
 
-// Where the bytes of pixels are: luma at y[y_at], y[y_at + y_step], ..., chroma at u[u_at],
-// v[v_at], u[u_at + c_step], ... They are constants, and interleaved planes one pointer, so that
-// the compiler can take them apart in vectors.
+// Positions of the bytes of pixels: luma at y[y_at], y[y_at + y_step], ..., chroma at u[u_at],
+// v[v_at], u[u_at + c_step], ... They are constants, and interleaved planes share one pointer, so
+// that the compiler can de-interleave in vectors.
 struct Layout {
     size_t y_at, y_step, u_at, v_at, c_step;
 };

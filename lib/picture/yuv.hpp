@@ -1,4 +1,4 @@
-// From the YUV formats of cameras to BGR: BT.601 with 16..235, two pixels to a pair of U and V.
+// Camera YUV formats to BGR: BT.601 with 16..235, one pair of U and V for two pixels.
 #pragma once
 
 #include <cstddef>

@@ -7,10 +7,10 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-/* Bytes of the longest path that Linux takes. */
+/* Bytes of the longest path that Linux accepts. */
 #define PATH_SIZE 4096
 
-/* Writers of one file at a time, and files that crashed writers left, until no name is free. */
+/* Most partial files beside one file: concurrent writers and leftovers of crashed ones. */
 #define PARTIAL_NAMES 100u
 
 static vdna_status refused(const char *path, const char *what, vdna_error *error)
@@ -36,8 +36,8 @@ static int open_directory(const char *path, const char *name)
     return open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
-/* Create a file that was not there, with the access rights of any new file. The name does not end
- * as an experience does, so one that a crash leaves behind is never read. */
+/* Create a new file with the usual access rights. Its name does not end like that of an experience,
+ * so a leftover of a crash is never read. */
 static int create_partial(vdna_replace *file)
 {
     for (unsigned n = 0; n < PARTIAL_NAMES; n++) {
@@ -48,7 +48,7 @@ static int create_partial(vdna_replace *file)
         }
         const int descriptor =
             openat(file->directory, file->partial, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        /* The lock tells a writer's file from one that a crash left; where there are none, do
+        /* The lock tells a live writer's file from a leftover; file systems without locks do
          * without.
          */
         if (descriptor >= 0)
@@ -100,7 +100,7 @@ int vdna_replace_sync(int descriptor)
     do
         result = fsync(descriptor);
     while (result != 0 && errno == EINTR);
-    /* Some file systems cannot sync, and say EINVAL: there is no more to be done. */
+    /* Some file systems cannot sync and say EINVAL: nothing more can be done. */
     return result != 0 && errno == EINVAL ? 0 : result;
 }
 
@@ -131,7 +131,7 @@ vdna_status vdna_replace_commit(vdna_replace *file, int durability, vdna_error *
                            "%s: written, but cannot fsync its directory: %s; it may not survive a"
                            " loss of power, write it again",
                            file->path, strerror(errno));
-    /* Whatever could be lost has been reported: closing has nothing to add. */
+    /* Write errors have been reported by now: closing has nothing to add. */
     end(file);
     return status;
 }

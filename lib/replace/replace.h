@@ -1,5 +1,5 @@
-/* Private to vdna: replacing a file at once or not at all, whatever interrupts it. A new file is
- * written beside the old one and takes its name when it is complete.
+/* Private to vdna: atomic replacement of a file, safe against any interruption. A new file is
+ * written beside the old one and takes its name when complete.
  *
  *     status = vdna_replace_begin(path, error, &file);         then, if that was VDNA_OK,
  *     status = vdna_replace_write(&file, bytes, size, error);  as often as needed, and one of
@@ -19,9 +19,9 @@ extern "C" {
 
 /* Whether a commit waits for the disk. */
 enum {
-    VDNA_REPLACE_QUICK = 0,  /* after a loss of power the old file, the new one or an empty one may
-                                be  there: for what can be made again and checks itself */
-    VDNA_REPLACE_DURABLE = 1 /* after a loss of power the old file or the new one is there */
+    VDNA_REPLACE_QUICK = 0,  /* after a power loss the old file, the new one or an empty one is
+                                there: for files that can be made again and check themselves */
+    VDNA_REPLACE_DURABLE = 1 /* after a power loss the old file or the new one is there */
 };
 
 #define VDNA_REPLACE_NAME_SIZE 256u
@@ -32,7 +32,7 @@ enum {
 typedef struct vdna_replace {
     const char *path;                     /* the caller's */
     const char *name;                     /* its last part */
-    int directory;                        /* descriptor of where it is */
+    int directory;                        /* descriptor of its directory */
     int file;                             /* descriptor of the new file, locked by flock() */
     char partial[VDNA_REPLACE_NAME_SIZE]; /* its name until it is complete */
 } vdna_replace;
@@ -58,12 +58,12 @@ vdna_status vdna_replace_stage(vdna_replace *file, vdna_error *error);
 /* Remove the new file; the old one stays. Ends `file`. */
 void vdna_replace_abandon(vdna_replace *file);
 
-/* fsync() that no signal ends early; a file system that cannot sync is well.
+/* fsync() that retries after signals; a file system that cannot sync counts as success.
  * @return 0; -1 and errno */
 int vdna_replace_sync(int descriptor);
 
-/* Whether a partial file was left behind by a writer that is gone.
- * @param directory, name  where it is */
+/* Whether a partial file is the leftover of a dead writer.
+ * @param directory, name  its location */
 int vdna_replace_is_orphan(int directory, const char *name);
 
 #ifdef __cplusplus

@@ -21,8 +21,9 @@ extern "C" {
 /** One experience. Reading fills it; to write one, fill it and call vdna_experience_write(). */
 typedef struct vdna_experience {
     char name[VDNA_NAME_SIZE];         /**< of the traversal: "winter"; passes vdna_name_check() */
-    vdna_identity identity;            /**< what it compares with; in an experience all of it is
-                                            known. `range` is of the file, or of whoever fills it */
+    vdna_identity identity;            /**< what it compares with; complete in an experience.
+                                            `range` belongs to the file, or to the code that fills
+                                            this */
     char comparable[VDNA_SHA256_SIZE]; /**< vdna_identity_hash(); the writer computes it */
     uint32_t frames;                   /**< >= 1 */
     const uint32_t *counts;            /**< [bins][neurons] */
@@ -33,8 +34,8 @@ typedef struct vdna_experience {
     const double *frame_position; /**< [frames][3], metres in one Cartesian frame shared by the
                                        map (ECEF if made from GPS); NULL = no positions */
     const float *frame_grey;      /**< [frames], mean grey level 0..255 */
-    const void *file_bytes;       /**< [file_size], the whole file as it is mapped; NULL = not from
-                                       a file. Read it, never write it: closing unmaps it */
+    const void *file_bytes;       /**< [file_size], the whole mapped file, read-only; NULL = not
+                                       from a file. Closing unmaps it */
     size_t file_size;             /**< bytes; 0 = not from a file */
 } vdna_experience;
 
@@ -89,9 +90,9 @@ VDNA_API vdna_status vdna_map_count(const char *directory, vdna_error *error, ui
 /** One experience file of a map. */
 typedef struct vdna_map_file {
     char name[VDNA_MAP_FILE_SIZE]; /**< "winter.vdna" */
-    char file[VDNA_MAP_FILE_SIZE]; /**< where its bytes are in the directory: the same, unless an
-                                      update was interrupted between being final and giving all new
-                                      files their names; the next update goes on with that */
+    char file[VDNA_MAP_FILE_SIZE]; /**< file with its bytes: the same name, unless an update was
+                                        interrupted after becoming final and before all new files
+                                        had their names; the next update finishes that */
 } vdna_map_file;
 
 /** List the experience files of a directory in the byte order of their names.
@@ -112,18 +113,18 @@ VDNA_API vdna_status vdna_map_list(const char *directory, uint32_t capacity, vdn
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_experiences  [capacity]; the first *out_count are open after VDNA_OK, none after an
  *                          error
- *  @param out_count  how many that are
+ *  @param out_count  number of open experiences
  *  @return VDNA_OK; VDNA_ERR_EMPTY if there is none; VDNA_ERR_NOMEM if there are more than
  *          `capacity`; what vdna_experience_open() and vdna_experience_compare() return */
 VDNA_API vdna_status vdna_map_open(const char *directory, uint32_t capacity, vdna_error *error,
                                    vdna_experience *out_experiences, uint32_t *out_count);
 
-/** A change of a map: experience files that appear, or replace others, together or not at all. One
+/** An update of a map: experience files that appear, or replace others, together or not at all. One
  *  thread at a time. */
 typedef struct vdna_map_update vdna_map_update;
 
-/** Begin to change a map. Nobody else can until it is closed or the process ends. First finishes an
- *  update that was interrupted when it was final, and removes what others left behind.
+/** Begin an update of a map. Nobody else can until it is closed or the process ends. First finishes
+ *  an update that was interrupted after becoming final, and removes leftovers.
  *  @param directory  a path, which exists
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_update  the caller's, to be ended with vdna_map_update_close()
@@ -140,15 +141,15 @@ VDNA_API vdna_status vdna_map_update_open(const char *directory, vdna_error *err
 VDNA_API vdna_status vdna_map_update_add(vdna_map_update *update, const vdna_experience *experience,
                                          vdna_error *error);
 
-/** Put all that was added in its place. Readers, and a machine that loses its power at any moment,
- *  find all of it or nothing (docs/reference/SPEC-map.md says how).
+/** Put all added experiences in place. Readers find all of them or none, even after a power loss at
+ *  any moment (docs/reference/SPEC-map.md says how).
  *  @param update  an open one
  *  @param error  filled on failure: says whether the map is unchanged, or the update is final and
  * the next one finishes it; NULL = not wanted
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO */
 VDNA_API vdna_status vdna_map_update_commit(vdna_map_update *update, vdna_error *error);
 
-/** End it; what was added and not committed is gone.
+/** End the update; experiences that were added but not committed are discarded.
  *  @param update  NULL is allowed */
 VDNA_API void vdna_map_update_close(vdna_map_update *update);
 

@@ -2,7 +2,7 @@
  *  @brief Pictures as cameras send them, decoded to 8-bit pixels.
  *
  *  A network is given these pixels: vdna_backbone_run() decodes with the same code, so a program
- * that looks at a picture through this header sees what its Visual DNA was made of. The same bytes
+ * that looks at a picture through this header sees the pixels behind its Visual DNA. The same bytes
  * give the same pixels on every processor.
  */
 #ifndef VDNA_PICTURE_H
@@ -20,8 +20,8 @@ typedef struct vdna_decoder vdna_decoder;
 
 /** Pixels of a decoded picture, 8 bits a channel, top row first. */
 typedef struct vdna_pixels {
-    const uint8_t *data; /**< first byte of the top row; borrowed, for how long is said by whoever
-                              fills the struct */
+    const uint8_t *data; /**< first byte of the top row; borrowed; the code that fills the struct
+                              says for how long */
     size_t stride;       /**< bytes from row to row, >= width * channels */
     uint32_t width;      /**< pixels, 1..VDNA_IMAGE_SIDE_MAX */
     uint32_t height;     /**< pixels, 1..VDNA_IMAGE_SIDE_MAX */
@@ -29,8 +29,8 @@ typedef struct vdna_pixels {
     uint32_t rgb[3];     /**< which byte of a pixel is red, green, blue; all 0 for grey */
 } vdna_pixels;
 
-/** Open a decoder. It takes its memory for pixels now, as address space that is not resident before
- *  a picture needs it, and none later; libjpeg takes and gives back its own for each JPEG picture.
+/** Open a decoder. It reserves all its memory for pixels now, as address space that becomes
+ *  resident when a picture needs it; libjpeg allocates and frees its own for each JPEG picture.
  *  @param max_pixels  largest width x height that is decoded, 1..VDNA_IMAGE_PIXELS_MAX
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_decoder  the caller's, to be closed with vdna_decoder_close()

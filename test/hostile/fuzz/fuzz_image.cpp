@@ -1,5 +1,5 @@
-// Any bytes as a picture of any format, and as a file of any kind: decoded, or refused with a
-// Failure; nothing else.
+// Any bytes as a picture of any format, and as a file of any kind: it is either decoded or refused
+// with a Failure.
 //
 // The first 13 bytes are the fields of vdna_image (pixel format, width, height, row stride); the
 // rest is its data.
@@ -62,7 +62,7 @@ std::vector<uint8_t> seed_of(size_t index)
     return seed;
 }
 
-// What the decoder is given: a file as the tools hand it over, anything else as it is.
+// The decoder's input: a file as converted by the tools, anything else unchanged.
 vdna_image camera_image(const vdna_image &image, vdna::picture::FileConverter &converter)
 {
     return image.pixelformat == file ? converter.convert(image.data, image.size) : image;

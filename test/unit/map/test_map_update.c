@@ -1,6 +1,6 @@
-/* Updates of a map: several experience files that appear together or not at all, whatever happens.
- * The system calls that change a directory are counted by stand-ins (see CMakeLists.txt), so that a
- * writer can be ended, or refused, at any of them. */
+/* Updates of a map: several experience files that appear together or not at all, despite any
+ * interruption. The system calls that change a directory are counted by stand-ins (see
+ * CMakeLists.txt), so that a writer can be ended, or refused, at any of them. */
 #define _DEFAULT_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -11,7 +11,7 @@
 #include "cmocka_all.h"
 #include "map_files.h"
 
-/* What becomes of the call whose turn it is. */
+/* Fate of the call whose turn it is. */
 enum { GOES_ON, ENDS_THE_PROCESS, IS_REFUSED };
 
 static struct {
@@ -59,7 +59,7 @@ int __wrap_unlinkat(int where, const char *name, int flags)
 static const char *const names[] = {"night", "summer", "winter"};
 enum { NAMES = 3 };
 
-/* One of the three, whose first embedding tells which update wrote it. */
+/* One of the three; its first embedding tells which update wrote it. */
 static vdna_experience experience_of(const char *name, float version, float *embeddings)
 {
     vdna_experience e = sample_experience();
@@ -88,7 +88,7 @@ static vdna_status update_all(const char *path, float version, vdna_error *error
     return status;
 }
 
-/* The update that all three are from; fails if they are from different ones. */
+/* The update that wrote all three; fails if they are from different ones. */
 static float version_of(const char *path)
 {
     vdna_experience open[NAMES];
@@ -175,7 +175,7 @@ static void a_writer_killed_at_any_call_leaves_the_old_map_or_the_new_one(void *
         version = found;
     }
     assert_true(version_of(made->path) == version + 1);
-    /* Both happen, so the point of no return lies between; and nothing is left behind. */
+    /* Both outcomes occur, so the point of no return lies between; nothing is left behind. */
     assert_true(old > 10 && new > 3);
     assert_int_equal(files_in(made->path), NAMES);
 }
@@ -217,7 +217,7 @@ static void a_map_has_one_writer_at_a_time(void **state)
     vdna_map_update_close(second);
 }
 
-static void the_leavings_of_crashed_writers_are_removed_and_those_of_live_ones_are_not(void **state)
+static void leftovers_of_crashed_writers_are_removed_and_files_of_live_ones_are_not(void **state)
 {
     const directory *made = *state;
     vdna_map_update *update;
@@ -276,7 +276,7 @@ static void arguments_that_are_missing_are_refused(void **state)
     assert_int_equal(vdna_map_update_add(update, NULL, NULL), VDNA_ERR_ARG);
     assert_int_equal(vdna_map_update_add(update, &e, NULL), VDNA_OK);
     assert_int_equal(vdna_map_update_add(update, &e, NULL), VDNA_OK);
-    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_ERR_ARG); /* twice the same */
+    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_ERR_ARG); /* the same twice */
     vdna_map_update_close(update);
     assert_int_equal(files_in(made->path), 0);
 }
@@ -291,7 +291,7 @@ int main(void)
         CASE(a_writer_killed_at_any_call_leaves_the_old_map_or_the_new_one),
         CASE(a_call_that_is_refused_leaves_the_old_map_or_the_new_one),
         CASE(a_map_has_one_writer_at_a_time),
-        CASE(the_leavings_of_crashed_writers_are_removed_and_those_of_live_ones_are_not),
+        CASE(leftovers_of_crashed_writers_are_removed_and_files_of_live_ones_are_not),
         CASE(a_damaged_journal_is_named),
         CASE(arguments_that_are_missing_are_refused),
     };

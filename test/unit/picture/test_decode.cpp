@@ -1,4 +1,4 @@
-// Decoding: every pixel format gives the picture, and bytes that are none are refused.
+// Decoding: every pixel format gives the picture, and bytes that are no picture are refused.
 #include <cstring>
 #include <functional>
 #include <string>
@@ -114,7 +114,7 @@ static Bytes encoded(const char *extension)
     return bytes;
 }
 
-// No channel of no pixel is further than `tolerance` from the picture.
+// Every channel of every pixel is within `tolerance` of the picture.
 static void assert_is_the_picture(const vdna_image &image, int tolerance)
 {
     Decoder decoder;
@@ -190,7 +190,7 @@ static Bytes noise(size_t count)
     return bytes;
 }
 
-// What OpenCV makes of packed 4:2:2, or of 4:2:0 whose padding belongs to the picture.
+// OpenCV's result for packed 4:2:2, or for 4:2:0 whose padding belongs to the picture.
 static cv::Mat by_opencv(const Bytes &bytes, cv::Size size, size_t stride, uint32_t pixelformat)
 {
     const bool is_packed = pixelformat == VDNA_PIXEL_YUYV || pixelformat == VDNA_PIXEL_UYVY;
@@ -230,7 +230,7 @@ static void yuv_is_converted_as_opencv_does_to_the_last_bit(void **)
                                 VDNA_PIXEL_NV12};
     for (const uint32_t format : formats) {
         const bool is_packed = format == VDNA_PIXEL_YUYV || format == VDNA_PIXEL_UYVY;
-        // Around the number of pixels that are converted at once, and beyond any vector.
+        // Widths around the number of pixels converted at once, and beyond any vector.
         for (const int columns : {2, 4, 6, 8, 14, 30, 62, 64, 66, 126, 128, 130, 258, 640})
             for (const int rows : {2, 6})
                 for (const int padding : {0, 2, 10}) {
@@ -340,7 +340,7 @@ static void a_picture_of_one_pixel_too_many_is_refused_in_every_format(void **)
         const std::string reason = refusal(image, VDNA_ERR_UNSUPPORTED, pixels - 1);
         assert_true(reason.find(std::to_string(pixels - 1)) != std::string::npos);
     }
-    // Padding is no pixel.
+    // Padding is not a pixel.
     Decoder(pixels).decode(image_of(raw, VDNA_PIXEL_I420, width + 2));
 }
 
@@ -412,7 +412,7 @@ static void damaged_jpeg_is_refused(void **)
         refusal(image_of(cut, VDNA_PIXEL_ENCODED), VDNA_ERR_FORMAT);
     }
 
-    // A hole in the middle, as a lost piece of a message leaves it.
+    // A gap in the middle, as left by a lost piece of a message.
     Bytes hole = whole;
     const auto middle = hole.end() - 200;
     hole.erase(middle, middle + 100);
@@ -433,7 +433,7 @@ static void a_jpeg_that_claims_a_huge_picture_is_refused_unread(void **)
         frame += 2u + jpeg[frame + 2] * 256u + jpeg[frame + 3];
     put_be16(jpeg, frame + 5, 60000);
     refusal(image_of(jpeg, VDNA_PIXEL_MJPG), VDNA_ERR_UNSUPPORTED);
-    // Each side within its limit, both together not.
+    // Each side is within its limit, their product is not.
     put_be16(jpeg, frame + 5, 16384);
     put_be16(jpeg, frame + 7, 16384);
     refusal(image_of(jpeg, VDNA_PIXEL_MJPG), VDNA_ERR_UNSUPPORTED);
