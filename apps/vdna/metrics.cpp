@@ -22,7 +22,7 @@ program::Json parse(std::istream &stream, const std::string &name)
     try {
         return program::Json::parse(stream);
     } catch (const program::Json::parse_error &e) {
-        // Not its text, which repeats bytes of the file.
+        // The parser's message repeats bytes of the file, so leave it out.
         throw Error(name + ": not JSON at byte " + std::to_string(e.byte) +
                     ", expected an object of recalls and distances");
     } catch (const program::Json::exception &) {
