@@ -108,9 +108,9 @@ std::string neurons_section(const eval::Evaluation &evaluation)
 {
     std::string html =
         "<h2>Contributions of single neurons</h2><p>The distance of Visual DNA is the mean of one "
-        "Earth Mover's Distance (EMD) per neuron: the mean number of the " +
+        "Earth Mover's Distance (EMD) per neuron: the mean number of histogram bins, of " +
         std::to_string(evaluation.bins) +
-        " histogram bins by which its activations in the warmup must move to match those of the "
+        ", by which its activations in the warmup must move to match those of the "
         "reference. This section shows the nearest and the farthest reference of each query.</p>";
     const size_t shown = std::min(evaluation.queries.size(), shown_most);
     for (size_t q = 0; q < shown; q++) {
