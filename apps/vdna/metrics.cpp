@@ -1,4 +1,4 @@
-// vdna metrics - judge published tables of recalls and distances, without pictures.
+// vdna metrics - evaluates published tables of recalls and distances, without pictures.
 #include <fstream>
 
 #include "eval/published_table.hpp"
@@ -58,7 +58,7 @@ void report(const MetricsOptions &options)
 void add_metrics(CLI::App &app)
 {
     CLI::App *command = app.add_subcommand(
-        "metrics", "Judge tables of recalls and distances, published ones for example");
+        "metrics", "Evaluate tables of recalls and distances, such as published ones");
     const auto options = std::make_shared<MetricsOptions>();
     command
         ->add_option(
@@ -68,9 +68,10 @@ void add_metrics(CLI::App &app)
         ->type_name("")
         ->required();
     command->add_flag("--json", options->json, "report as JSON");
-    command->footer("Pairs may be missing: a method is judged by those that it and recall have.\n\n"
-                    "Example:\n"
-                    "  vdna metrics table1.json --json");
+    command->footer(
+        "Pairs may be missing: a method is evaluated on those with recall and distance.\n\n"
+        "Example:\n"
+        "  vdna metrics table1.json --json");
     command->callback([options] { report(*options); });
 }
 

@@ -10,7 +10,7 @@
 namespace vdna::tool
 {
 
-// Which network runs, and how.
+// The network and its threads.
 struct NetworkOptions {
     std::string backbone; // manifest name or path; "" = the sub-command's default
     uint32_t threads = 2;
@@ -29,7 +29,7 @@ void add_labels_option(CLI::App &command, frames::SourceOptions &options);
 // --range-rule; rule: VDNA_RANGE_ABOUT_...
 void add_range_rule_option(CLI::App &command, uint32_t &rule);
 
-// The backbone that is used where neither the user nor a map names one.
+// The backbone used if neither the user nor a map names one.
 extern const char *const default_backbone;
 
 } // namespace vdna::tool
