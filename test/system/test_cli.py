@@ -367,7 +367,7 @@ class Info(Scratch):
             self.assertEqual(told[key], file.metadata[key])
         self.assertIn("frames: 3", self.vdna("info", "map"))
 
-    def test_experiences_that_do_not_compare_are_told(self):
+    def test_experiences_that_do_not_compare_are_reported(self):
         self.pictures("a", range(2))
         self.pictures("b", range(2))
         self.vdna("build", "map", "a")

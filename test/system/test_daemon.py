@@ -66,7 +66,7 @@ class Network(WithConfiguration):
                 status = watch.wait_for("status", has_answered(FRAMES))
             if status["skipped"] == 0:
                 return watch
-        raise AssertionError(f"frames were passed over even at {RATES[-1]} Hz")
+        raise AssertionError(f"frames were skipped even at {RATES[-1]} Hz")
 
     def test_says_what_rank_and_localise_say(self):
         said = self.drive("--warmup-frames", WARMUP)

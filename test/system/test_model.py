@@ -128,7 +128,7 @@ class OtherPrecision(unittest.TestCase):
 
 
 class Taps(unittest.TestCase):
-    def test_that_the_model_does_not_have_are_told_by_the_daemon_before_it_is_ready(self):
+    def test_missing_from_the_model_are_reported_by_the_daemon_before_it_is_ready(self):
         manifest = stand_in("untapped", "fp32")
         manifest.write_text(manifest.read_text().replace('[[taps]]\noutput = "embedding"',
                                                          '[[taps]]\noutput = "block99"'))

@@ -41,7 +41,7 @@ def daemon_says(live, road_map):
                                     s["processed"] + s["skipped"] == s["received"])
         if status["skipped"] == 0:
             return watch
-    raise AssertionError(f"{live.name}: frames were passed over even at {RATES[-1]} Hz")
+    raise AssertionError(f"{live.name}: frames were skipped even at {RATES[-1]} Hz")
 
 
 def faults_of(said, ranking):

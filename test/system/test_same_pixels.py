@@ -178,7 +178,7 @@ class SamePixels(WithConfiguration):
             if status["skipped"] == 0:
                 self.assertEqual((status["refused"], status["rejected"]), (0, 0))
                 return watch.of("ranking")[0]["ranking"]
-        raise AssertionError(f"frames were passed over even at {RATES[-1]} Hz")
+        raise AssertionError(f"frames were skipped even at {RATES[-1]} Hz")
 
     def check(self, kind):
         folder, log = folder_of(kind), os.path.join(WORK, f"{kind}.lcm")
