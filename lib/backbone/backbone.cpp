@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <future>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,14 +45,12 @@ namespace
 
 using Clock = std::chrono::steady_clock;
 
-constexpr uint32_t threads_default = 2;
-constexpr uint32_t threads_max = 256;
 constexpr size_t oldest_config = sizeof(vdna_backbone_config); // in version 0.1
 
 vdna_backbone_config default_config()
 {
     vdna_backbone_config config{};
-    config.threads = threads_default;
+    config.threads = VDNA_BACKBONE_THREADS_DEFAULT;
     config.max_pixels = VDNA_IMAGE_PIXELS_MAX;
     return config;
 }
@@ -128,6 +127,13 @@ void fill_info(vdna_backbone &backbone, const Manifest &manifest, uint32_t max_p
     info.decode_bytes = vdna_decoder_bytes_max(max_pixels);
 }
 
+// Hashing the model takes about as long as ONNX Runtime needs to start, and a robot waits for both.
+std::future<Model> check_meanwhile(const Manifest &manifest)
+{
+    return std::async(std::launch::async,
+                      [&manifest] { return Model(manifest.model, manifest.sha256); });
+}
+
 void l2_normalise(std::vector<float> &values)
 {
     double square = 0.0;
@@ -180,7 +186,7 @@ uint32_t elapsed_us(Clock::time_point begin, Clock::time_point end)
 
 vdna_backbone::vdna_backbone(const Manifest &manifest, const vdna_backbone_config &config)
     : runtime(config.runtime),
-      session(runtime, manifest, Model(manifest.model, manifest.sha256), config.threads),
+      session(runtime, manifest, check_meanwhile(manifest), config.threads),
       decoder(config.max_pixels), preprocessor(manifest.input), l2_normalise(manifest.l2_normalise),
       embedding(session.embedding().size)
 {
@@ -204,12 +210,12 @@ vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *e
 {
     vdna_backbone_config known = default_config();
     if (!vdna_config_read(config, oldest_config, &known, sizeof known) || !known.manifest ||
-        known.threads < 1 || known.threads > threads_max || known.max_pixels < 1 ||
+        known.threads < 1 || known.threads > VDNA_BACKBONE_THREADS_MAX || known.max_pixels < 1 ||
         known.max_pixels > VDNA_IMAGE_PIXELS_MAX || !out_backbone)
         return vdna_fail(error, VDNA_ERR_ARG,
                          "vdna_backbone_open: a manifest, 1 to %u threads and pictures of 1 to %u "
                          "pixels are expected",
-                         threads_max, VDNA_IMAGE_PIXELS_MAX);
+                         VDNA_BACKBONE_THREADS_MAX, VDNA_IMAGE_PIXELS_MAX);
     return fail::guarded(error, [&] {
         const Manifest manifest = read_manifest(find_manifest(known.manifest));
         require_processor(manifest);

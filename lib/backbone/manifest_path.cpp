@@ -24,7 +24,7 @@ std::vector<fs::path> directories()
     const char *chosen = std::getenv("VDNA_MODELS");
     for (const fs::path &directory :
          {fs::path(chosen ? chosen : ""), beside_program(VDNA_INSTALLED_MODELS),
-          fs::path(VDNA_BUILD_MODELS), fs::path("/usr/share/vdna/models")})
+          fs::path("/usr/share/vdna/models")})
         if (!directory.empty() && std::find(all.begin(), all.end(), directory) == all.end())
             all.push_back(directory);
     return all;

@@ -17,15 +17,13 @@ namespace
 // The first version of the C API that has all that is used here; later runtimes still offer it.
 constexpr uint32_t api_version = 17;
 
-// A program whose installation is whole never looks where it was built.
 std::vector<std::string> candidates(const char *path)
 {
     if (path)
         return {path};
     if (const char *chosen = std::getenv("VDNA_ONNXRUNTIME"))
         return {chosen};
-    std::vector<std::string> all = {VDNA_BUILD_ONNXRUNTIME, "libonnxruntime.so",
-                                    "libonnxruntime.so.1"};
+    std::vector<std::string> all = {"libonnxruntime.so", "libonnxruntime.so.1"};
     const std::string installed = beside_program(VDNA_INSTALLED_ONNXRUNTIME);
     if (!installed.empty())
         all.insert(all.begin(), installed);

@@ -12,8 +12,8 @@ class Runtime
 {
   public:
     // Load libonnxruntime.so from `path`, or, if it is NULL, from $VDNA_ONNXRUNTIME, else from
-    // the installation of the running program, else from where the build found it, else the
-    // system's. It stays loaded until the process ends.
+    // the installation of the running program, else the system's. It stays loaded until the
+    // process ends.
     // Throws Failure (VDNA_ERR_RUNTIME, VDNA_ERR_UNSUPPORTED).
     explicit Runtime(const char *path);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "failure.hpp"
 
@@ -47,12 +48,12 @@ TensorType read_type(const Runtime &runtime, const OrtTensorTypeAndShapeInfo *in
 
 } // namespace
 
-Session::Session(const Runtime &runtime, const Manifest &manifest, const Model &model,
+Session::Session(const Runtime &runtime, const Manifest &manifest, std::future<Model> model,
                  uint32_t threads)
     : runtime_(runtime), api_(runtime.api()), input_name_(manifest.input.name),
       input_shape_{1, 3, manifest.input.height, manifest.input.width},
       input_(size_t{3} * manifest.input.height * manifest.input.width), env_(make_env()),
-      session_(make_session(model, threads)), run_options_(make_run_options()),
+      session_(make_session(std::move(model), threads)), run_options_(make_run_options()),
       input_value_(bind_input())
 {
     check_input(manifest);
@@ -86,7 +87,7 @@ Handle<OrtEnv> Session::make_env() const
     return owner;
 }
 
-Handle<OrtSession> Session::make_session(const Model &model, uint32_t threads) const
+Handle<OrtSession> Session::make_session(std::future<Model> checked, uint32_t threads) const
 {
     OrtSessionOptions *options = nullptr;
     runtime_.require(api_.CreateSessionOptions(&options), "make options");
@@ -103,6 +104,7 @@ Handle<OrtSession> Session::make_session(const Model &model, uint32_t threads) c
     // which it would round up to a power of two, are kept outside.
     set(api_.AddSessionConfigEntry(options, "session.use_device_allocator_for_initializers", "1"));
 
+    const Model model = checked.get();
     OrtSession *session = nullptr;
     runtime_.require(api_.CreateSession(env_.get(), model.path().c_str(), options, &session),
                      "load " + model.name().string());

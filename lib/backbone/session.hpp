@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,10 +27,11 @@ struct Output {
 class Session
 {
   public:
-    // Load the model, check it against the manifest, and run it twice on the mean colour, so that
-    // later runs are warm. `runtime` must outlive the session.
-    // Throws Failure (VDNA_ERR_IO, VDNA_ERR_MISMATCH, VDNA_ERR_RUNTIME).
-    Session(const Runtime &runtime, const Manifest &manifest, const Model &model, uint32_t threads);
+    // Load the model when it is there, check it against the manifest, and run it twice on the mean
+    // colour, so that later runs are warm. `runtime` must outlive the session. Throws Failure
+    // (VDNA_ERR_IO, VDNA_ERR_MISMATCH, VDNA_ERR_RUNTIME).
+    Session(const Runtime &runtime, const Manifest &manifest, std::future<Model> model,
+            uint32_t threads);
 
     // [3][height][width], to be filled before run().
     float *input() { return input_.data(); }
@@ -49,7 +51,7 @@ class Session
     using GetName = decltype(OrtApi::SessionGetOutputName);
 
     Handle<OrtEnv> make_env() const;
-    Handle<OrtSession> make_session(const Model &model, uint32_t threads) const;
+    Handle<OrtSession> make_session(std::future<Model> checked, uint32_t threads) const;
     Handle<OrtRunOptions> make_run_options() const;
     Handle<OrtValue> bind_input();
     void check_input(const Manifest &manifest) const;

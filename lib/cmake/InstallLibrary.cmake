@@ -6,6 +6,13 @@ install(TARGETS vdna_shared vdna_static EXPORT vdna
   LIBRARY COMPONENT runtime NAMELINK_COMPONENT development
   ARCHIVE COMPONENT development
   FILE_SET HEADERS COMPONENT development)
+# CMake strips no static library.
+install(CODE "
+  if(CMAKE_INSTALL_DO_STRIP)
+    execute_process(COMMAND \"${CMAKE_STRIP}\" --strip-debug
+      \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:vdna_static>\"
+      COMMAND_ERROR_IS_FATAL ANY)
+  endif()" COMPONENT development)
 
 # CMake: find_package(vdna) gives vdna::vdna (shared) and vdna::static.
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/vdna")

@@ -1,5 +1,6 @@
-# Debian packages, by `cmake --build build --target package`: libvdna0, libvdna-dev, and, where the
-# programs are built, vdna. What only a package has is excluded from `cmake --install`.
+# Debian packages, by `cmake --build build --target package`: libvdna0, libvdna-dev, vdna-dbgsym and,
+# where the programs are built, vdna-selectord, vdna and vdna-networks. Each is a component of
+# `cmake --install`, from which what only a package has is excluded.
 # dpkg-shlibdeps knows the packages of this machine only.
 if(CMAKE_CROSSCOMPILING)
   return()
@@ -28,10 +29,10 @@ appearance alone, by comparing the activations of a frozen network.
 .
 This package has")
 
-set(CPACK_COMPONENTS_ALL runtime development)
+set(CPACK_COMPONENTS_ALL runtime development debug)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME libvdna${PROJECT_VERSION_MAJOR})
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
-# By hand: CPack would also announce the private ONNX Runtime of the programs.
+# By hand: CPack would also announce the private ONNX Runtime of vdna-networks.
 configure_file("${debian}/shlibs.in" "${made}/shlibs" @ONLY)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${debian}/triggers" "${made}/shlibs")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "${about} the shared library.")
@@ -40,12 +41,27 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libvdna${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}), libmd-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "${about} the headers and the static library.")
+set(CPACK_DEBIAN_DEBUG_PACKAGE_NAME vdna-dbgsym)
+set(CPACK_DEBIAN_DEBUG_PACKAGE_SECTION debug)
+set(CPACK_DEBIAN_DEBUG_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_COMPONENT_DEBUG_DESCRIPTION
+  "${about} the debug information of the library and\nthe programs.")
 if(VDNA_APPS)
-  list(APPEND CPACK_COMPONENTS_ALL programs)
-  set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME vdna)
-  set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION science)
-  set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION
-    "${about} the command and the daemon, ONNX Runtime and two\npretrained networks.")
+  list(APPEND CPACK_COMPONENTS_ALL daemon tool networks)
+  set(CPACK_DEBIAN_DAEMON_PACKAGE_NAME vdna-selectord)
+  set(CPACK_DEBIAN_DAEMON_PACKAGE_SECTION science)
+  set(CPACK_DEBIAN_DAEMON_PACKAGE_DEPENDS "vdna-networks (= ${PROJECT_VERSION})")
+  set(CPACK_COMPONENT_DAEMON_DESCRIPTION
+    "${about} the daemon, which runs on the robot, and the\nmessages that it speaks.")
+  set(CPACK_DEBIAN_TOOL_PACKAGE_NAME vdna)
+  set(CPACK_DEBIAN_TOOL_PACKAGE_SECTION science)
+  set(CPACK_DEBIAN_TOOL_PACKAGE_DEPENDS "vdna-networks (= ${PROJECT_VERSION})")
+  set(CPACK_COMPONENT_TOOL_DESCRIPTION
+    "${about} the command that makes and examines maps.")
+  set(CPACK_DEBIAN_NETWORKS_PACKAGE_NAME vdna-networks)
+  set(CPACK_DEBIAN_NETWORKS_PACKAGE_SECTION science)
+  set(CPACK_COMPONENT_NETWORKS_DESCRIPTION
+    "${about} two pretrained networks and ONNX Runtime, which\nruns them.")
 endif()
 
 # write a compressed file as Debian wants it, without a time stamp
@@ -77,13 +93,13 @@ endforeach()
 
 if(VDNA_APPS)
   install(FILES "${PROJECT_SOURCE_DIR}/apps/selectord/vdna_selectord.service"
-    DESTINATION lib/systemd/system COMPONENT programs EXCLUDE_FROM_ALL)
-  foreach(page IN ITEMS vdna.1 vdna_selectord.8)
-    string(REGEX REPLACE ".*\\." "" section ${page})
-    vdna_compress("${PROJECT_SOURCE_DIR}/docs/reference/man/${page}" "${made}/${page}.gz")
-    install(FILES "${made}/${page}.gz" DESTINATION "share/man/man${section}"
-      COMPONENT programs EXCLUDE_FROM_ALL)
-  endforeach()
+    DESTINATION lib/systemd/system COMPONENT daemon EXCLUDE_FROM_ALL)
+  vdna_compress("${PROJECT_SOURCE_DIR}/docs/reference/man/vdna.1" "${made}/vdna.1.gz")
+  install(FILES "${made}/vdna.1.gz" DESTINATION share/man/man1 COMPONENT tool EXCLUDE_FROM_ALL)
+  vdna_compress("${PROJECT_SOURCE_DIR}/docs/reference/man/vdna_selectord.8"
+    "${made}/vdna_selectord.8.gz")
+  install(FILES "${made}/vdna_selectord.8.gz" DESTINATION share/man/man8
+    COMPONENT daemon EXCLUDE_FROM_ALL)
 endif()
 
 include(CPack)

@@ -70,8 +70,5 @@ def configured(build, name):
 
 
 def runtime_of(build):
-    """The libonnxruntime.so that lib/backbone of this build tries first."""
-    found = configured(build, "ONNXRUNTIME_LIBRARY")
-    if found and not found.endswith("NOTFOUND"):
-        return found
-    return configured(build, "VDNA_DEPS") + "/onnxruntime/lib/libonnxruntime.so"
+    """The libonnxruntime.so that the programs of this build load."""
+    return configured(build, "ONNXRUNTIME_LIBRARY")

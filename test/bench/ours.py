@@ -1,10 +1,13 @@
 """Our library in this process: the Python package on the libvdna.so of a build, and
 libvdna_bench.so with the loops of the bench and the C ABIs that the package does not have."""
 import ctypes
+import os
 import shutil
 import sys
 from ctypes import byref, c_double, c_size_t, c_uint32, c_uint64, c_void_p
 from pathlib import Path
+
+from bare import runtime_of
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -14,6 +17,7 @@ class Library:
 
     def __init__(self, build):
         self.vdna = import_package(build)
+        os.environ.setdefault("VDNA_ONNXRUNTIME", runtime_of(build))  # none is beside this Python
         self._bench = ctypes.CDLL(str(build / "test" / "bench" / "libvdna_bench.so"))
         self._bench.bench_read.restype = c_uint64
         self._bench.bench_read.argtypes = [c_void_p, c_size_t, c_size_t]

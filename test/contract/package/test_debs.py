@@ -39,9 +39,9 @@ class TheDebs(unittest.TestCase):
         self.assertEqual(found.returncode, 0, found.stdout)
 
     def test_are_those_that_were_built(self):
-        expected = {"libvdna0", "libvdna-dev"}
+        expected = {"libvdna0", "libvdna-dev", "vdna-dbgsym"}
         if PROGRAMS:
-            expected.add("vdna")
+            expected |= {"vdna", "vdna-selectord", "vdna-networks"}
         self.assertEqual(set(self.debs), expected)
 
     def test_the_library_depends_on_what_it_links(self):
@@ -60,16 +60,35 @@ class TheDebs(unittest.TestCase):
             archive.wait()
             self.assertIn("Copyright: 2026 The vdna authors", text)
             self.assertIn(" Permission is hereby granted", text)
-            self.assertEqual("ML Illustrated" in text and "Microsoft" in text, package == "vdna")
+            self.assertEqual("ML Illustrated" in text and "Microsoft" in text,
+                             package == "vdna-networks")
 
     @unittest.skipUnless(PROGRAMS, "needs the programs")
-    def test_the_programs_bring_their_networks_and_onnx_runtime(self):
-        content = output_of("dpkg-deb", "--contents", self.debs["vdna"])
-        for path in ("bin/vdna", "sbin/vdna_selectord", "lib/vdna/libonnxruntime.so",
-                     "share/vdna/models/efficientnet_lite0.onnx", "share/man/man1/vdna.1.gz",
-                     "lib/systemd/system/vdna_selectord.service",
-                     "share/doc/vdna/onnxruntime/ThirdPartyNotices.txt"):
-            self.assertIn(f" ./usr/{path}\n", content)
+    def test_have_what_their_names_promise(self):
+        for package, paths in {
+            "vdna": ("bin/vdna", "share/man/man1/vdna.1.gz"),
+            "vdna-selectord": ("sbin/vdna_selectord", "share/man/man8/vdna_selectord.8.gz",
+                               "lib/systemd/system/vdna_selectord.service",
+                               "share/vdna/lcmtypes/image.lcm"),
+            "vdna-networks": ("lib/vdna/libonnxruntime.so",
+                              "share/vdna/models/efficientnet_lite0.onnx",
+                              "share/doc/vdna-networks/onnxruntime/ThirdPartyNotices.txt"),
+        }.items():
+            content = output_of("dpkg-deb", "--contents", self.debs[package])
+            for path in paths:
+                self.assertIn(f" ./usr/{path}\n", content)
+
+    @unittest.skipUnless(PROGRAMS, "needs the programs")
+    def test_the_programs_bring_their_networks(self):
+        for package in ("vdna", "vdna-selectord"):
+            version = field(self.debs[package], "Version")
+            self.assertIn(f"vdna-networks (= {version})", field(self.debs[package], "Depends"))
+
+    @unittest.skipUnless(PROGRAMS, "needs the programs")
+    def test_the_tool_alone_needs_opencv(self):
+        needing = {package for package, deb in self.debs.items()
+                   if "opencv" in output_of("dpkg-deb", "--field", deb, "Depends")}
+        self.assertEqual(needing, {"vdna"})
 
 
 if __name__ == "__main__":

@@ -79,6 +79,13 @@ class TheService(unittest.TestCase):
         done = run("systemd-analyze", "security", "--offline=true", "--threshold=15", UNIT)
         self.assertEqual(done.returncode, 0, done.stdout)
 
+    def test_has_a_unit_that_systemd_understands(self):
+        with tempfile.TemporaryDirectory() as folder:
+            unit = Path(folder, UNIT.name)
+            unit.write_text(UNIT.read_text().replace("/usr/sbin/vdna_selectord", str(SELECTORD)))
+            # What systemd does not understand, it prints and ignores.
+            self.assertEqual(run("systemd-analyze", "verify", "--man=no", unit).stdout, "")
+
 
 if __name__ == "__main__":
     unittest.main()

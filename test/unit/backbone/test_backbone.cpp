@@ -1,17 +1,17 @@
 // The C ABI of lib/backbone, with a network that can be checked by hand and with a real one.
-#include <cmocka.hpp>
-#include <folder.hpp>
-
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <thread>
+#include <vector>
+
+#include <cmocka.hpp>
+#include <folder.hpp>
 #include <sha2.h>
 #include <sys/wait.h>
-#include <thread>
 #include <unistd.h>
-#include <vector>
 
 #include <vdna/backbone.h>
 
@@ -293,9 +293,12 @@ static void a_runtime_that_is_none_is_refused(void **)
     assert_not_opened({}, VDNA_ERR_RUNTIME, "/nowhere/libonnxruntime.so",
                       "/nowhere/libonnxruntime.so");
     assert_not_opened({}, VDNA_ERR_RUNTIME, "this is no ONNX Runtime", "libm.so.6");
+    const char *set_by_ctest = std::getenv("VDNA_ONNXRUNTIME");
+    assert_non_null(set_by_ctest);
+    const std::string good = set_by_ctest;
     setenv("VDNA_ONNXRUNTIME", "/elsewhere.so", 1);
     assert_not_opened({}, VDNA_ERR_RUNTIME, "/elsewhere.so");
-    unsetenv("VDNA_ONNXRUNTIME");
+    setenv("VDNA_ONNXRUNTIME", good.c_str(), 1);
 }
 
 static void arguments_are_checked(void **)

@@ -21,6 +21,9 @@ struct Warmup {
     int64_t us;      /**< the first so many microseconds of camera time */
 };
 
+/** Limits of a warmup by time, for those that people ask for. */
+constexpr double warmup_seconds_min = 0.001, warmup_seconds_max = 1e6;
+
 class Selector
 {
   public:
