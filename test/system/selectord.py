@@ -193,7 +193,7 @@ class Listener:
 
     def next(self, seconds=PATIENCE):
         """The bytes of the next message."""
-        deadline = time.monotonic() + seconds  # overall, because other channels' messages also arrive
+        deadline = time.monotonic() + seconds  # overall: other channels' messages also arrive
         while True:
             self._socket.settimeout(max(0.001, deadline - time.monotonic()))
             data = self._socket.recv(65536)
