@@ -1,5 +1,5 @@
-// The sub-commands of vdna. Each function adds one to the command line; its callback does the
-// work and throws vdna::Error to end with a sentence and an exit code.
+// The sub-commands of vdna. Each function adds one to the command line; its callback does the work
+// and throws vdna::Error to exit with an error message and a code.
 #pragma once
 
 #include <CLI/CLI.hpp>
