@@ -6,10 +6,15 @@
 
 #include "replace/replace.h"
 
-/* Check an experience and write it beside `path`, without giving it that name yet.
- * @return VDNA_OK, and the caller commits, stages or abandons `out_file`; otherwise as
- *         vdna_experience_write() */
-vdna_status vdna_write_beside(const vdna_experience *experience, const char *path,
-                              vdna_error *error, vdna_replace *out_file);
+/* Check an experience before anything is done about it.
+ * @param path  of its file, for the error
+ * @return VDNA_OK; what vdna_experience_write() returns */
+vdna_status vdna_write_check(const vdna_experience *experience, const char *path,
+                             vdna_error *error);
+
+/* Write a checked experience. After an error `file` has been abandoned.
+ * @return VDNA_OK; VDNA_ERR_IO */
+vdna_status vdna_write_into(vdna_replace *file, const vdna_experience *experience,
+                            vdna_error *error);
 
 #endif

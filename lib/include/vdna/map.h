@@ -55,13 +55,14 @@ VDNA_API vdna_status vdna_experience_open(const char *path, vdna_error *error,
 VDNA_API void vdna_experience_close(vdna_experience *experience);
 
 /** Write an experience: temporary file beside `path`, fsync, rename, fsync of the directory. An
- *  interrupted call leaves `path` as it was. `comparable` is computed, not read.
+ *  interrupted call leaves `path` as it was. `comparable` is computed, not read. If an update of
+ *  the directory was interrupted when it was final, it is finished first (vdna_map_update_open()).
  *  @param experience  needed for this call only
  *  @param path  replaced if it exists
  *  @param error  filled on failure; NULL = not wanted
  *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_NONFINITE or VDNA_ERR_MISMATCH (mass and counts) for an
  *          experience that breaks the rules above; VDNA_ERR_IO; VDNA_ERR_UNSUPPORTED on a
- *          big-endian machine */
+ *          big-endian machine; VDNA_ERR_FORMAT for a damaged record of an interrupted update */
 VDNA_API vdna_status vdna_experience_write(const vdna_experience *experience, const char *path,
                                            vdna_error *error);
 
@@ -80,11 +81,12 @@ VDNA_API vdna_status vdna_experience_compare(const vdna_experience *a, const vdn
 VDNA_API void vdna_experience_view(const vdna_experience *experience, vdna_hist_view *out_view);
 
 /** Count the experience files of a directory: names ending in VDNA_MAP_EXTENSION, hidden ones (a
- *  leading '.') left out.
+ *  leading '.') left out. An update of the map counts as a whole or not at all.
  *  @param directory  a path
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_count  0 for a directory without any
- *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO */
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NOMEM; VDNA_ERR_IO, also if the directory changes all
+ *          the time; VDNA_ERR_FORMAT for a damaged record of an interrupted update */
 VDNA_API vdna_status vdna_map_count(const char *directory, vdna_error *error, uint32_t *out_count);
 
 /** One experience file of a map. */
@@ -95,19 +97,21 @@ typedef struct vdna_map_file {
                                         had their names; the next update finishes that */
 } vdna_map_file;
 
-/** List the experience files of a directory in the byte order of their names.
+/** List the experience files of a directory in the byte order of their names, as they were at one
+ *  moment. An update may rename them before you open them: vdna_map_open() gets all of one moment.
  *  @param directory  a path
  *  @param capacity  the most that `out_files` can hold
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_files  [capacity], of which *out_count are filled
  *  @param out_count  0 for a directory without any
- *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_NOMEM if there are more than `capacity`;
- *          VDNA_ERR_FORMAT for a damaged record of an interrupted update */
+ *  @return VDNA_OK; VDNA_ERR_NOMEM if there are more than `capacity`; what vdna_map_count() returns
+ */
 VDNA_API vdna_status vdna_map_list(const char *directory, uint32_t capacity, vdna_error *error,
                                    vdna_map_file *out_files, uint32_t *out_count);
 
 /** Open all experiences of a map, in the byte order of their file names, and check that they
- *  compare and that their names differ.
+ *  compare and that their names differ. All are of one moment: an update that others commit
+ *  meanwhile is in all of them or in none.
  *  @param directory  a path
  *  @param capacity  the most that `out_experiences` can hold
  *  @param error  filled on failure; NULL = not wanted
@@ -115,12 +119,13 @@ VDNA_API vdna_status vdna_map_list(const char *directory, uint32_t capacity, vdn
  *                          error
  *  @param out_count  number of open experiences
  *  @return VDNA_OK; VDNA_ERR_EMPTY if there is none; VDNA_ERR_NOMEM if there are more than
- *          `capacity`; what vdna_experience_open() and vdna_experience_compare() return */
+ *          `capacity` (an update may have added some since they were counted); what vdna_map_count(), vdna_experience_open() and vdna_experience_compare()
+ *          return */
 VDNA_API vdna_status vdna_map_open(const char *directory, uint32_t capacity, vdna_error *error,
                                    vdna_experience *out_experiences, uint32_t *out_count);
 
-/** An update of a map: experience files that appear, or replace others, together or not at all. One
- *  thread at a time. */
+/** A change of a map: experience files that appear, or replace others, together or not at all. One
+ *  thread at a time. It keeps to the directory that was opened, whatever becomes of its path. */
 typedef struct vdna_map_update vdna_map_update;
 
 /** Begin an update of a map. Nobody else can until it is closed or the process ends. First finishes
@@ -134,22 +139,25 @@ VDNA_API vdna_status vdna_map_update_open(const char *directory, vdna_error *err
                                           vdna_map_update **out_update);
 
 /** Write an experience beside the map's files; vdna_map_update_commit() makes it NAME.vdna.
- *  @param update  an open one; unchanged after an error
- *  @param experience  as for vdna_experience_write(); needed for this call only
+ *  @param update  an open one that is not committed; unchanged after an error
+ *  @param experience  as for vdna_experience_write(); needed for this call only; its name may not
+ *                     begin with '.', which would hide its file
  *  @param error  filled on failure; NULL = not wanted
- *  @return VDNA_OK; VDNA_ERR_NOMEM; what vdna_experience_write() returns */
+ *  @return VDNA_OK; VDNA_ERR_ARG, also for more than 4096 experiences in one update;
+ *          VDNA_ERR_NOMEM; what vdna_experience_write() returns */
 VDNA_API vdna_status vdna_map_update_add(vdna_map_update *update, const vdna_experience *experience,
                                          vdna_error *error);
 
-/** Put all added experiences in place. Readers find all of them or none, even after a power loss at
- *  any moment (docs/reference/SPEC-map.md says how).
- *  @param update  an open one
+/** Put all that was added in its place. Readers, and a machine that loses its power at any moment,
+ *  find all of it or nothing (docs/reference/SPEC-map.md says how).
+ *  @param update  an open one; if the error says that the map is unchanged, this may be repeated;
+ *                 otherwise the update is over, and only to be closed
  *  @param error  filled on failure: says whether the map is unchanged, or the update is final and
- * the next one finishes it; NULL = not wanted
- *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO */
+ *                the next one finishes it; NULL = not wanted
+ *  @return VDNA_OK; VDNA_ERR_ARG, also if one name was added twice; VDNA_ERR_NOMEM; VDNA_ERR_IO */
 VDNA_API vdna_status vdna_map_update_commit(vdna_map_update *update, vdna_error *error);
 
-/** End the update; experiences that were added but not committed are discarded.
+/** End it; what was added and not committed is removed.
  *  @param update  NULL is allowed */
 VDNA_API void vdna_map_update_close(vdna_map_update *update);
 
