@@ -8,7 +8,7 @@
 namespace vdna
 {
 
-// An encoded picture converted, any other as it is. name: of the frame, for people.
+// Convert an encoded picture; return any other as it is. name: of the frame, for people.
 // Borrowed from `image` or, until its next use, from `converter`. Throws BadFrame.
 vdna_image camera_image(const vdna_image &image, const std::string &name,
                         picture::FileConverter &converter);

@@ -1,4 +1,4 @@
-// From the YUV formats of cameras to BGR: BT.601 with 16..235, two pixels to a pair of U and V.
+// YUV to BGR: BT.601 with luma 16..235; two pixels share one U and one V.
 #pragma once
 
 #include <cstddef>
