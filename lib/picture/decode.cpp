@@ -51,7 +51,7 @@ void need_bytes(const vdna_image &image, size_t bytes)
         refuse_layout(image, "at least " + std::to_string(bytes) + " bytes");
 }
 
-// Rows of packed pixels, the last of which may end at its last pixel. Returns the stride.
+// Check rows of packed pixels; the last row may end at its last pixel. Returns the stride.
 size_t check_packed(const vdna_image &image, size_t row_bytes)
 {
     const size_t stride = stride_of(image, row_bytes);
@@ -74,7 +74,7 @@ void require_jpeg(const vdna_image &image)
 } // namespace
 
 Decoder::Decoder(uint32_t max_pixels)
-    // Not initialised: pages that no picture has needed yet are not resident.
+    // Left uninitialised, so that it is not resident before a picture needs it.
     : max_pixels_(max_pixels), bgr_(new uint8_t[size_t{bgr_channels} * max_pixels])
 {
 }
@@ -129,7 +129,7 @@ vdna_pixels Decoder::own_bgr(uint32_t width, uint32_t height) const
     return {bgr_.get(), size_t{width} * bgr_channels, width, height, bgr_channels, {2, 1, 0}};
 }
 
-// Pixels used in place.
+// Packed pixels are used in place.
 vdna_pixels Decoder::packed(const vdna_image &image, uint32_t channels, bool bgr) const
 {
     check_sides(image.width, image.height, max_pixels_);

@@ -1,4 +1,4 @@
-// Pictures as cameras send them, to pixels in memory.
+// Decoding of pictures as cameras send them.
 #pragma once
 
 #include <memory>

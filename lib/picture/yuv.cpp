@@ -11,7 +11,7 @@ namespace vdna::picture
 namespace
 {
 
-// The factors of BT.601, times 2^20, as OpenCV rounds them: its conversion is exact to the bit.
+// BT.601 times 2^20, rounded as in OpenCV, whose bytes must come out.
 constexpr int bits = 20;
 constexpr int32_t y_to_all = 1220542, u_to_blue = 2116026, u_to_green = -409993,
                   v_to_green = -852492, v_to_red = 1673527;
@@ -21,7 +21,7 @@ constexpr size_t pairs_at_once = 64;
 
 using Sixteen = uint8_t __attribute__((vector_size(16)));
 
-// Four bytes are written as one number, so the first byte must be its lowest.
+// A pixel is written as one number, whose lowest byte must come first in memory.
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "blue must be the lowest of four bytes");
 
 inline uint32_t level(int32_t sum)
@@ -29,9 +29,9 @@ inline uint32_t level(int32_t sum)
     return static_cast<uint32_t>(std::clamp(sum >> bits, 0, 255));
 }
 
-// Positions of the bytes of pixels: luma at y[y_at], y[y_at + y_step], ..., chroma at u[u_at],
-// v[v_at], u[u_at + c_step], ... They are constants, and interleaved planes share one pointer, so
-// that the compiler can de-interleave in vectors.
+// Luma is at y[y_at], y[y_at + y_step], ..., chroma at u[u_at], v[v_at], u[u_at + c_step], ...
+// These are constants, and interleaved planes share one pointer, so that the compiler can
+// deinterleave whole vectors.
 struct Layout {
     size_t y_at, y_step, u_at, v_at, c_step;
 };
@@ -60,8 +60,8 @@ template <const Layout &At>
     }
 }
 
-// Drop every fourth byte. Sixteen bytes are written for twelve; the next four pixels overwrite the
-// rest.
+// Drop every fourth byte. Each store writes sixteen bytes for twelve; the next one overwrites the
+// other four.
 VDNA_VECTORISED_FROM_V2 void pack(const uint32_t *pixels, size_t count, uint8_t *out)
 {
     size_t i = 0;

@@ -1,4 +1,4 @@
-// Camera YUV formats to BGR: BT.601 with 16..235, one pair of U and V for two pixels.
+// YUV to BGR: BT.601 with luma 16..235; two pixels share one U and one V.
 #pragma once
 
 #include <cstddef>

@@ -87,6 +87,8 @@ class Statement(WithConfiguration):
             for utime in range(1, 60):
                 camera.send_jpeg(utime, padded if utime % 2 else picture)
                 time.sleep(0.001)
+            # LCM drops the newest message when 30 are waiting: not this one.
+            time.sleep(1)
             camera.send_jpeg(60, picture)
             # A slow machine's queue may be full at that moment; then older frames are answered first.
             while answer_of(answers.next())[0] != 60:
