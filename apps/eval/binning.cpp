@@ -30,11 +30,6 @@ void require_known(const std::vector<std::string> &names, const std::vector<Tap>
 
 } // namespace
 
-vdna_hist_view Counts::view(const std::vector<float> &range) const
-{
-    return {range.data(), counts.data(), mass.data(), static_cast<uint32_t>(mass.size()), bins};
-}
-
 Binning::Binning(Frames &frames, const std::vector<std::string> &taps, uint32_t range_rule)
     : frames_(frames), range_rule_(range_rule), observed_(frames.traversals().size())
 {
@@ -56,7 +51,7 @@ std::string Binning::taps_text() const
     return text_of(taps_);
 }
 
-const std::vector<vdna_activations> &Binning::picked(size_t traversal, uint32_t frame)
+const std::vector<vdna_activations> &Binning::activations_of(size_t traversal, uint32_t frame)
 {
     const std::vector<vdna_activations> &all = frames_.taps(traversal, frame);
     picked_.clear();
@@ -65,9 +60,9 @@ const std::vector<vdna_activations> &Binning::picked(size_t traversal, uint32_t 
     return picked_;
 }
 
-std::string Binning::key_of(const std::string &what, size_t traversal, uint32_t frames) const
+std::string Binning::key_of(const std::string &how, size_t traversal, uint32_t frames) const
 {
-    std::string text = what + "\n" + taps_text() + "\n";
+    std::string text = how + "\n" + taps_text() + "\n";
     for (uint32_t i = 0; i < frames; i++)
         text += frames_.keys(traversal)[i];
     return sha256_of(text.data(), text.size());
@@ -98,7 +93,7 @@ std::vector<float> Binning::observe(size_t traversal)
     require(vdna_range_clear(range.data(), neurons_), t.name);
     for (uint32_t i = 0; i < t.recording.frames; i++) {
         program::require_not_interrupted();
-        const std::vector<vdna_activations> &taps = picked(traversal, i);
+        const std::vector<vdna_activations> &taps = activations_of(traversal, i);
         require(vdna_range_observe(range.data(), neurons_, taps.data(), taps.size()),
                 t.files[i].string());
     }
@@ -119,21 +114,18 @@ std::vector<float> Binning::range_of(const std::vector<size_t> &traversals)
     return range;
 }
 
-Counts Binning::counts_of(size_t traversal, uint32_t frames, const std::vector<float> &range,
-                          uint32_t bins)
+Counts Binning::counts_of(size_t traversal, const std::vector<float> &range, uint32_t bins)
 {
     const std::string how = "counts 1 " + std::to_string(bins) + " " +
                             sha256_of(range.data(), range.size() * sizeof(float));
+    const uint32_t frames = frames_.traversals()[traversal].recording.frames;
     const std::string key = key_of(how, traversal, frames) + ".counts";
     if (std::optional<Counts> found = find_counts(key, bins))
         return std::move(*found);
-    Counts counted = count(traversal, frames, range, bins);
-    // What was counted from fewer numbers than it has bins is counted as fast as it is read.
-    const uint64_t samples = std::accumulate(counted.mass.begin(), counted.mass.end(), uint64_t{0});
-    if (samples > counted.counts.size()) {
+    Counts counted = count(traversal, range, bins);
+    if (counted.is_worth_keeping()) {
         std::string bytes;
-        pack_counts(bytes, counted.mass);
-        pack_counts(bytes, counted.counts);
+        pack_counts(bytes, counted);
         frames_.cache().store(key, bytes);
     }
     return counted;
@@ -145,26 +137,22 @@ std::optional<Counts> Binning::find_counts(const std::string &key, uint32_t bins
     if (!bytes)
         return {};
     Unpacker unpacker(*bytes);
-    Counts found{bins, {}, {}};
-    if (!unpacker.take_counts(found.mass, neurons_) ||
-        !unpacker.take_counts(found.counts, uint64_t{neurons_} * bins) || !unpacker.at_end())
+    Counts found;
+    if (!unpacker.take_counts(found, neurons_, bins) || !unpacker.at_end())
         return {};
     return found;
 }
 
-Counts Binning::count(size_t traversal, uint32_t frames, const std::vector<float> &range,
-                      uint32_t bins)
+Counts Binning::count(size_t traversal, const std::vector<float> &range, uint32_t bins)
 {
+    const Traversal &t = frames_.traversals()[traversal];
     Histogram histogram(range, bins);
-    for (uint32_t i = 0; i < frames; i++) {
+    for (uint32_t i = 0; i < t.recording.frames; i++) {
         program::require_not_interrupted();
-        const std::vector<vdna_activations> &taps = picked(traversal, i);
-        histogram.add(taps.data(), taps.size(), frames_.traversals()[traversal].name);
+        const std::vector<vdna_activations> &taps = activations_of(traversal, i);
+        histogram.add(taps.data(), taps.size(), t.name);
     }
-    const vdna_hist &hist = *histogram.operator->();
-    return {bins,
-            {hist.counts, hist.counts + size_t{neurons_} * bins},
-            {hist.mass, hist.mass + neurons_}};
+    return eval::counts_of(histogram.view());
 }
 
 } // namespace vdna::eval

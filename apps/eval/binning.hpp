@@ -7,19 +7,11 @@
 
 #include <vdna/cpp/taps.hpp>
 
+#include "eval/counts.hpp"
 #include "eval/frames.hpp"
 
 namespace vdna::eval
 {
-
-// The counts of a histogram.
-struct Counts {
-    uint32_t bins = 0;
-    std::vector<uint32_t> counts; // [bins][neurons]
-    std::vector<uint32_t> mass;   // [neurons]
-
-    vdna_hist_view view(const std::vector<float> &range) const; // all borrowed
-};
 
 // The part of the activations that is counted. What was counted once comes from the frames' cache.
 class Binning
@@ -34,18 +26,18 @@ class Binning
 
     // [neurons][2], from all frames of these traversals.
     std::vector<float> range_of(const std::vector<size_t> &traversals);
-    // Of the first frames of a traversal.
-    Counts counts_of(size_t traversal, uint32_t frames, const std::vector<float> &range,
-                     uint32_t bins);
+    // Of all frames of a traversal.
+    Counts counts_of(size_t traversal, const std::vector<float> &range, uint32_t bins);
+
+    // The activations that are counted of one frame; borrowed until the next call.
+    const std::vector<vdna_activations> &activations_of(size_t traversal, uint32_t frame);
+    // For the cache: of what is made from the first frames of a traversal, and how.
+    std::string key_of(const std::string &how, size_t traversal, uint32_t frames) const;
 
   private:
-    // The activations that are counted of one frame; borrowed until the next call.
-    const std::vector<vdna_activations> &picked(size_t traversal, uint32_t frame);
     const std::vector<float> &observed(size_t traversal);
     std::vector<float> observe(size_t traversal);
-    Counts count(size_t traversal, uint32_t frames, const std::vector<float> &range, uint32_t bins);
-    // Of what is made from the first frames of a traversal.
-    std::string key_of(const std::string &what, size_t traversal, uint32_t frames) const;
+    Counts count(size_t traversal, const std::vector<float> &range, uint32_t bins);
     std::optional<Counts> find_counts(const std::string &key, uint32_t bins) const;
 
     Frames &frames_;

@@ -9,10 +9,11 @@
 #include <vdna/cpp/error.hpp>
 #include <vdna/emd.h>
 
+#include "eval/live_run.hpp"
 #include "eval/localise_query.hpp"
+#include "eval/methods.hpp"
 #include "program/interrupt.hpp"
 #include "program/progress.hpp"
-#include "record/warmup.hpp"
 
 namespace vdna::eval
 {
@@ -34,21 +35,16 @@ std::vector<size_t> named(const std::vector<Traversal> &traversals,
     return picked;
 }
 
-uint32_t warmup_frames(const record::Recording &recording, const Warmup &warmup)
+double mean_of(const std::vector<double> &values)
 {
-    if (warmup.frames > 0)
-        return std::min(warmup.frames, recording.frames);
-    uint32_t frames = 0;
-    while (frames < recording.frames && recording.utime[frames] < recording.utime[0] + warmup.us)
-        frames++;
-    return frames;
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 // One run of evaluate().
 class Run
 {
   public:
-    Run(const Frames &frames, Binning &binning, const EvaluationSettings &settings)
+    Run(Frames &frames, Binning &binning, const EvaluationSettings &settings)
         : frames_(frames), traversals_(frames.traversals()), binning_(binning), settings_(settings),
           unit_(unit_of(traversals_)), references_(named(traversals_, settings.references))
     {
@@ -57,17 +53,19 @@ class Run
     Evaluation run()
     {
         describe();
-        std::vector<QueryResult> queries;
+        const std::vector<size_t> queries = named(traversals_, settings_.queries);
         size_t pairs = 0;
-        for (const size_t traversal : named(traversals_, settings_.queries)) {
-            queries.push_back(query_of(traversal));
-            pairs += references_of(traversal).size();
-        }
+        for (const size_t query : queries)
+            pairs += require_references(query);
         program::Progress progress("evaluating", pairs);
         begin_tables(queries.size());
-        for (QueryResult &query : queries) {
+        for (const size_t traversal : queries) {
+            QueryResult query{traversal, 0, 0, {}, {}, {}, {}};
+            query.range = binning_.range_of(references_of(traversal));
+            const std::vector<Counts> maps = maps_of(query);
+            const LiveRun live = run(query, maps);
             localise(query);
-            compare(query, progress);
+            compare(query, live, maps, progress);
             result_.queries.push_back(std::move(query));
         }
         judge();
@@ -102,21 +100,47 @@ class Run
         return picked;
     }
 
-    QueryResult query_of(size_t traversal) const
+    size_t require_references(size_t query) const
     {
-        const Traversal &t = traversals_[traversal];
-        QueryResult query{traversal, 0, {}, {}, {}, {}};
-        query.warmup_frames = warmup_frames(t.recording, record::warmup_of(settings_.warmup));
-        for (uint64_t i = query.warmup_frames; i < t.recording.frames; i += settings_.stride)
+        const size_t count = references_of(query).size();
+        if (count == 0)
+            throw Error(traversals_[query].name +
+                        ": no other traversal to compare it with; set --references");
+        return count;
+    }
+
+    // The Visual DNA of each of the query's references.
+    std::vector<Counts> maps_of(const QueryResult &query)
+    {
+        std::vector<Counts> maps;
+        for (const size_t reference : references_of(query.traversal))
+            maps.push_back(binning_.counts_of(reference, query.range, settings_.bins));
+        return maps;
+    }
+
+    // Let a selector run on the query, and find which frames are its warmup and which are
+    // localised.
+    LiveRun run(QueryResult &query, const std::vector<Counts> &maps)
+    {
+        const Traversal &t = traversals_[query.traversal];
+        const std::vector<size_t> references = references_of(query.traversal);
+        LiveTask task{query.traversal, settings_.warmup, query.range, settings_.bins, {}};
+        for (size_t i = 0; i < references.size(); i++) {
+            const record::Recording &map = traversals_[references[i]].recording;
+            task.candidates.push_back(
+                {maps[i].view(query.range), map.embeddings.data(), map.frames, 0});
+        }
+        LiveRun live = run_live(frames_, binning_, task);
+        query.warmup_begin = live.begin;
+        query.warmup_frames = live.frames;
+        for (uint64_t i = live.next; i < t.recording.frames; i += settings_.stride)
             query.live.push_back(static_cast<uint32_t>(i));
         if (query.warmup_frames < 2 || query.live.empty())
             throw Error(t.name + ": of its " + std::to_string(t.recording.frames) + " frames " +
                         std::to_string(query.warmup_frames) + " are the warmup of " +
                         settings_.warmup +
                         ", expected at least 2, and a frame after it; set --warmup");
-        if (references_of(traversal).empty())
-            throw Error(t.name + ": no other traversal to compare it with; set --references");
-        return query;
+        return live;
     }
 
     // Methods and their tables, without a pair yet.
@@ -124,12 +148,13 @@ class Run
     {
         const std::vector<double> empty(queries * references_.size(), no_pair);
         result_.recall = empty;
-        for (const char *name : {"vdna", "fd", "pixel"})
-            result_.methods.push_back({name, empty, {}});
+        for (const Method &method : methods)
+            result_.methods.push_back(
+                {method.key, method.distance ? empty : std::vector<double>{}, {}});
         if (binning_.taps().size() > 1)
             for (const Tap &tap : binning_.taps())
-                result_.methods.push_back({"vdna:" + tap.name, empty, {}});
-        result_.methods.push_back({"random", {}, {}});
+                result_.methods.insert(result_.methods.end() - 1,
+                                       MethodResult{key_of_tap(tap.name), empty, {}});
     }
 
     void localise(QueryResult &query) const
@@ -145,60 +170,40 @@ class Run
     }
 
     // All distances of the query's warmup to its references.
-    void compare(QueryResult &query, program::Progress &progress)
+    void compare(QueryResult &query, const LiveRun &live, const std::vector<Counts> &maps,
+                 program::Progress &progress)
     {
-        query.range = binning_.range_of(references_of(query.traversal));
-        const Counts live =
-            binning_.counts_of(query.traversal, query.warmup_frames, query.range, settings_.bins);
-        for (PairResult &pair : query.pairs) {
+        for (size_t i = 0; i < query.pairs.size(); i++) {
             program::require_not_interrupted();
+            PairResult &pair = query.pairs[i];
             const size_t cell = cell_of(pair.reference);
             result_.recall[cell] = pair.outcome.recall[0];
-            compare_vdna(query, live, pair, cell);
-            method("fd").distance[cell] = frechet(query, pair.reference);
-            method("pixel").distance[cell] = intensity(query, pair.reference);
+            compare_neurons(query, live.dna, maps[i], pair);
+            const Comparison comparison = {traversals_[query.traversal].recording,
+                                           live.begin,
+                                           live.frames,
+                                           traversals_[pair.reference].recording,
+                                           frames_.backbone().identity.dim,
+                                           mean_of(pair.neuron_emd_bins)};
+            for (const Method &of : methods)
+                if (of.distance)
+                    method(of.key).distance[cell] = of.distance(comparison);
+            const std::vector<double> means = tap_means(pair.neuron_emd_bins, binning_.taps());
+            for (size_t tap = 0; means.size() > 1 && tap < means.size(); tap++)
+                method(key_of_tap(binning_.taps()[tap].name)).distance[cell] = means[tap];
             progress.advance();
         }
     }
 
-    void compare_vdna(const QueryResult &query, const Counts &live, PairResult &pair, size_t cell)
+    void compare_neurons(const QueryResult &query, const Counts &live, const Counts &map,
+                         PairResult &pair) const
     {
-        const Traversal &reference = traversals_[pair.reference];
-        const Counts map = binning_.counts_of(pair.reference, reference.recording.frames,
-                                              query.range, settings_.bins);
         const vdna_hist_view p = live.view(query.range), q = map.view(query.range);
         std::vector<int64_t> scratch(vdna_emd_scratch_size(p.neurons) / sizeof(int64_t) + 1);
-        const size_t scratch_size = scratch.size() * sizeof(int64_t);
         pair.neuron_emd_bins.resize(p.neurons);
-        require(vdna_emd(&p, &q, scratch.data(), scratch_size, pair.neuron_emd_bins.data()),
-                reference.name);
-        method("vdna").distance[cell] =
-            std::accumulate(pair.neuron_emd_bins.begin(), pair.neuron_emd_bins.end(), 0.0) /
-            p.neurons;
-        const std::vector<double> means = tap_means(pair.neuron_emd_bins, binning_.taps());
-        for (size_t i = 0; means.size() > 1 && i < means.size(); i++)
-            method("vdna:" + binning_.taps()[i].name).distance[cell] = means[i];
-    }
-
-    double frechet(const QueryResult &query, size_t reference) const
-    {
-        const record::Recording &live = traversals_[query.traversal].recording;
-        const record::Recording &map = traversals_[reference].recording;
-        double distance = 0;
-        require(vdna_frechet(live.embeddings.data(), query.warmup_frames, map.embeddings.data(),
-                             map.frames, frames_.backbone().identity.dim, &distance),
-                traversals_[reference].name + ": Frechet distance");
-        return distance;
-    }
-
-    double intensity(const QueryResult &query, size_t reference) const
-    {
-        const record::Recording &map = traversals_[reference].recording;
-        double distance = 0;
-        require(vdna_intensity(traversals_[query.traversal].recording.grey.data(),
-                               query.warmup_frames, map.grey.data(), map.frames, &distance),
-                traversals_[reference].name + ": pixel intensity");
-        return distance;
+        require(vdna_emd(&p, &q, scratch.data(), scratch.size() * sizeof(int64_t),
+                         pair.neuron_emd_bins.data()),
+                traversals_[pair.reference].name);
     }
 
     void judge()
@@ -226,7 +231,7 @@ class Run
                static_cast<size_t>(column - references_.begin());
     }
 
-    const Frames &frames_;
+    Frames &frames_;
     const std::vector<Traversal> &traversals_;
     Binning &binning_;
     const EvaluationSettings &settings_;
@@ -253,7 +258,7 @@ std::vector<float> matrix(const Evaluation &evaluation, const QueryResult &query
 
 } // namespace
 
-Evaluation evaluate(const Frames &frames, Binning &binning, const EvaluationSettings &settings)
+Evaluation evaluate(Frames &frames, Binning &binning, const EvaluationSettings &settings)
 {
     return Run(frames, binning, settings).run();
 }

@@ -22,6 +22,6 @@ struct EvaluationSettings {
 
 // binning: of these frames; both borrowed as long as the result is in use. Shows progress.
 // Throws Error.
-Evaluation evaluate(const Frames &frames, Binning &binning, const EvaluationSettings &settings);
+Evaluation evaluate(Frames &frames, Binning &binning, const EvaluationSettings &settings);
 
 } // namespace vdna::eval

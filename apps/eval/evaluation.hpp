@@ -55,7 +55,8 @@ struct PairResult {
 // One traversal in the role of the live one.
 struct QueryResult {
     size_t traversal;
-    uint32_t warmup_frames;     // the first frames: what the live Visual DNA is made from
+    uint32_t warmup_begin;      // first frame of the warmup: 0 unless camera time ran backwards
+    uint32_t warmup_frames;     // what the live Visual DNA is made from
     std::vector<uint32_t> live; // frames that are localised
     std::vector<float> range;   // [neurons][2], from the references only
     std::vector<PairResult> pairs;
@@ -64,9 +65,9 @@ struct QueryResult {
 
 // One way to predict which reference is best.
 struct MethodResult {
-    std::string name;             // "vdna", "fd", "pixel", "random", or "vdna:TAP"
+    std::string name;             // key of a method of eval/methods.hpp
     std::vector<double> distance; // [queries][references], NaN where there is no pair; empty for
-                                  // "random", whose metrics are exact expectations
+                                  // chance, whose metrics are exact expectations
     vdna_ranking_metrics metrics; // percentages as percentages
 };
 
@@ -85,7 +86,7 @@ struct Evaluation {
     std::vector<QueryResult> queries;
     std::vector<size_t> references;    // traversals: the columns of the tables below
     std::vector<double> recall;        // [queries][references], percent; NaN where there is no pair
-    std::vector<MethodResult> methods; // "vdna" first, "random" last
+    std::vector<MethodResult> methods; // ours first, chance last
 };
 
 // Distances of the embeddings, [live frames][map frames]: the difference matrix.

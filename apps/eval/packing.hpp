@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "eval/counts.hpp"
+
 namespace vdna::eval
 {
 
@@ -24,6 +26,13 @@ inline void pack_counts(std::string &bytes, const std::vector<uint32_t> &counts)
             bytes += static_cast<char>(count | 0x80);
         bytes += static_cast<char>(count);
     }
+}
+
+// A histogram's, mass first.
+inline void pack_counts(std::string &bytes, const Counts &counts)
+{
+    pack_counts(bytes, counts.mass);
+    pack_counts(bytes, counts.counts);
 }
 
 // Takes values from bytes until they run out.
@@ -66,6 +75,13 @@ class Unpacker
             }
         }
         return true;
+    }
+
+    bool take_counts(Counts &counts, uint32_t neurons, uint32_t bins)
+    {
+        counts.bins = bins;
+        return take_counts(counts.mass, neurons) &&
+               take_counts(counts.counts, uint64_t{neurons} * bins);
     }
 
     bool at_end() const { return at_ == bytes_.size(); }

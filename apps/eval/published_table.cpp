@@ -7,6 +7,8 @@
 
 #include <vdna/cpp/error.hpp>
 
+#include "eval/methods.hpp"
+
 namespace vdna::eval
 {
 
@@ -137,11 +139,12 @@ std::vector<MethodResult> judge_published(const program::Json &json, const std::
         const Member method{value, distance_member.path + "." + printable(name)};
         results.push_back(judge(name, method.path, table_of(method, queries, references)));
     }
-    const auto is_random = [](const MethodResult &result) { return result.name == "random"; };
+    const std::string chance = methods.back().key;
+    const auto is_random = [&](const MethodResult &result) { return result.name == chance; };
     if (std::any_of(results.begin(), results.end(), is_random))
         throw Error(distance_member.path + ".random: is given, but random is the expectation over "
                                            "all rankings; remove it");
-    results.push_back(judge("random", recall_member.path, {}));
+    results.push_back(judge(chance, recall_member.path, {}));
     return results;
 }
 

@@ -1,11 +1,13 @@
-/* rank: which of three drives looks most like now? The same program in C, Python, Rust, Go and
- * Java, in the folders beside this file; all print the same bytes. */
+/* rank: which of three drives looks most like now, and where in it are we? First from all frames of
+ * now, then live, frame by frame. The same program in C, Python, Rust, Go and Java, in the folders
+ * beside this file; all print the same bytes. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <vdna/vdna.h>
 
-enum { NEURONS = 8, SAMPLES = 4, FRAMES = 50, BINS = 1000, CANDIDATES = 3 };
+enum { NEURONS = 8, SAMPLES = 4, FRAMES = 50, WARMUP = 40, BINS = 1000, CANDIDATES = 3 };
 
 /* A made-up drive: its activations lie in shift..shift + 1. */
 typedef struct drive {
@@ -68,6 +70,59 @@ static vdna_hist count(const drive *d, const float *range)
     return hist;
 }
 
+/* The embedding of each frame: here just its first sample. */
+static void embed(const drive *d, float embeddings[FRAMES][NEURONS])
+{
+    float values[SAMPLES * NEURONS];
+    uint32_t x = d->seed;
+    for (int frame = 0; frame < FRAMES; frame++) {
+        next_frame(d, &x, values);
+        memcpy(embeddings[frame], values, sizeof embeddings[frame]);
+    }
+}
+
+static vdna_select *selector(const vdna_select_candidate *experiences)
+{
+    vdna_select_config config;
+    vdna_select_config_init(&config);
+    config.candidates = experiences;
+    config.candidate_count = CANDIDATES;
+    config.dim = NEURONS;
+    config.warmup_frames = WARMUP;
+    const size_t size = vdna_select_mem_size(&config);
+    vdna_select *select;
+    require(vdna_select_init(&config, malloc(size), size, &select));
+    return select;
+}
+
+/* Warm up on the first frames, choose, and find the last frame in the chosen drive. */
+static void choose(const vdna_hist_view views[CANDIDATES])
+{
+    static float embeddings[CANDIDATES][FRAMES][NEURONS];
+    vdna_select_candidate experiences[CANDIDATES];
+    for (int i = 0; i < CANDIDATES; i++) {
+        embed(&candidates[i], embeddings[i]);
+        const vdna_select_candidate experience = {views[i], embeddings[i][0], FRAMES, 0};
+        experiences[i] = experience;
+    }
+
+    vdna_select *select = selector(experiences);
+    vdna_select_answer answer;
+    float values[SAMPLES * NEURONS];
+    const vdna_activations tap = {values, NEURONS, SAMPLES, VDNA_LAYOUT_SAMPLES_NEURONS};
+    uint32_t x = now.seed;
+    for (int i = 0; i < FRAMES; i++) {
+        next_frame(&now, &x, values);
+        const vdna_select_frame frame = {i, &tap, 1, values};
+        require(vdna_select_feed(select, &frame, &answer));
+    }
+    const char *chosen = candidates[vdna_select_chosen(select)].name;
+    printf("live: %s after %u frames, by %.17f bins\n", chosen,
+           (unsigned)vdna_select_window_frames(select), vdna_select_margin_bins(select));
+    printf("now is nearest to frame %u of %s\n", (unsigned)answer.match.index, chosen);
+    free(select);
+}
+
 int main(void)
 {
     /* Ranges come from the map alone; the live drive never changes them. */
@@ -91,5 +146,6 @@ int main(void)
     for (int i = 0; i < CANDIDATES; i++)
         printf("%d. %s is %.17f bins away\n", i + 1, candidates[ranking[i].candidate].name,
                ranking[i].distance_bins);
+    choose(views);
     return 0;
 }

@@ -19,9 +19,10 @@ Warmup warmup_of(const std::string &text)
     double seconds = 0;
     const auto as_time = std::from_chars(text.data(), end, seconds);
     if (as_time.ec != std::errc() || std::string(as_time.ptr, end) != "s" ||
-        !(seconds >= 1e-6 && seconds <= 1e9))
-        throw program::UsageError("--warmup: found '" + text +
-                                  "', expected frames as 42 or seconds of camera time as 4.5s");
+        !(seconds >= warmup_seconds_min && seconds <= warmup_seconds_max))
+        throw program::UsageError(
+            "--warmup: found '" + text +
+            "', expected frames as 42 or seconds of camera time as 4.5s, from 0.001 to 1000000");
     return {0, static_cast<int64_t>(seconds * 1e6)};
 }
 

@@ -1,4 +1,5 @@
 // Tables of errors: of all methods, and of the ablations.
+#include "eval/methods.hpp"
 #include "report/html.hpp"
 #include "report/sections.hpp"
 #include "report/wording.hpp"
@@ -21,8 +22,8 @@ std::string row_of(const eval::MethodResult &method)
 {
     const vdna_ranking_metrics &m = method.metrics;
     return element(
-        method.name == "vdna" ? "tr class=\"ours\"" : "tr",
-        text_element("th scope=\"row\"", title_of(method.name)) +
+        method.name == eval::methods.front().key ? "tr class=\"ours\"" : "tr",
+        text_element("th scope=\"row\"", eval::title_of(method.name)) +
             cells({m.ranking_error_swap_once, m.ranking_error_half_l1, m.regret, m.kendall_tau,
                    m.pearson_within, m.spearman_within, m.pearson_pooled, m.spearman_pooled}));
 }
@@ -35,23 +36,17 @@ std::string header_cells(const std::vector<std::string> &titles)
     return html;
 }
 
-// "vdna:TAP" would be a column for each of many taps.
-bool is_of_one_tap(const eval::MethodResult &method)
-{
-    return method.name.find(':') != std::string::npos;
-}
-
 std::string table_of(const eval::Ablation &ablation)
 {
     std::vector<std::string> titles = {ablation.kind};
     for (const eval::MethodResult &method : ablation.rows.front().methods)
-        if (!is_of_one_tap(method))
-            titles.insert(titles.end(), {title_of(method.name) + ": error, %", "regret, %"});
+        if (!eval::is_of_tap(method.name)) // a column for each of many taps would be too many
+            titles.insert(titles.end(), {eval::title_of(method.name) + ": error, %", "regret, %"});
     std::string body;
     for (const eval::AblationRow &row : ablation.rows) {
         std::vector<double> values;
         for (const eval::MethodResult &method : row.methods)
-            if (!is_of_one_tap(method))
+            if (!eval::is_of_tap(method.name))
                 values.insert(values.end(),
                               {method.metrics.ranking_error_swap_once, method.metrics.regret});
         body += element("tr", text_element("th scope=\"row\"", row.value) + cells(values));

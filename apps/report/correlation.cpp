@@ -1,6 +1,7 @@
 // Does a small distance mean a high recall?
 #include <cmath>
 
+#include "eval/methods.hpp"
 #include "program/print.hpp"
 #include "report/chart.hpp"
 #include "report/html.hpp"
@@ -25,8 +26,8 @@ std::vector<Point> points_of(const eval::Evaluation &evaluation, const eval::Met
                 points.push_back({distance, recall, q,
                                   name_of(evaluation, evaluation.queries[q].traversal) + " in " +
                                       name_of(evaluation, evaluation.references[r]) + ": " +
-                                      distance_text(distance) + " " + unit_of(method.name) + ", " +
-                                      program::fixed(recall, 2) + " %"});
+                                      distance_text(distance) + " " + eval::unit_of(method.name) +
+                                      ", " + program::fixed(recall, 2) + " %"});
         }
     return points;
 }
@@ -35,10 +36,10 @@ std::string figure(const eval::Evaluation &evaluation, const eval::MethodResult 
 {
     const vdna_ranking_metrics &m = method.metrics;
     return element("figure",
-                   scatter_chart("distance, " + unit_of(method.name), "Recall@1, %", 100,
+                   scatter_chart("distance, " + eval::unit_of(method.name), "Recall@1, %", 100,
                                  points_of(evaluation, method), evaluation.queries.size()) +
                        element("figcaption",
-                               text_element("b", title_of(method.name)) +
+                               text_element("b", eval::title_of(method.name)) +
                                    escaped(": correlation " + number_text(m.pearson_within, 3) +
                                            " within queries, " + number_text(m.pearson_pooled, 3) +
                                            " over all (Pearson)")));

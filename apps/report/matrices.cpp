@@ -23,7 +23,8 @@ constexpr double far_tolerances = 3;
 // Of a long traversal, as many live frames as a picture has rows, evenly.
 eval::QueryResult sampled(const eval::QueryResult &query)
 {
-    eval::QueryResult sample{query.traversal, query.warmup_frames, {}, {}, {}, {}};
+    eval::QueryResult sample{
+        query.traversal, query.warmup_begin, query.warmup_frames, {}, {}, {}, {}};
     const size_t rows = std::min<size_t>(query.live.size(), side);
     for (size_t i = 0; i < rows; i++)
         sample.live.push_back(query.live[i * query.live.size() / rows]);

@@ -1,6 +1,7 @@
 // The paper's ranking tables, in its colours.
 #include <algorithm>
 
+#include "eval/methods.hpp"
 #include "eval/placing.hpp"
 #include "program/print.hpp"
 #include "report/html.hpp"
@@ -73,9 +74,9 @@ std::string method_table(const eval::Evaluation &evaluation, const eval::MethodR
             text_element("th scope=\"col\"", name_of(evaluation, evaluation.queries[q].traversal));
         columns.push_back(eval::predicted_places(evaluation, q, method));
     }
-    return table(
-        escaped(title_of(method.name) + ": distance in " + unit_of(method.name) + ", lowest first"),
-        element("tr", head), rows_of(evaluation, columns, distance_text));
+    return table(escaped(eval::title_of(method.name) + ": distance in " +
+                         eval::unit_of(method.name) + ", lowest first"),
+                 element("tr", head), rows_of(evaluation, columns, distance_text));
 }
 
 } // namespace

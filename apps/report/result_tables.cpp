@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "eval/methods.hpp"
 #include "eval/placing.hpp"
 #include "program/print.hpp"
 #include "program/text_table.hpp"
@@ -115,15 +116,6 @@ std::string method_table(const eval::Evaluation &evaluation, const Block &block,
     return table.text();
 }
 
-std::string title_of(const std::string &method)
-{
-    if (method == "vdna")
-        return "Visual DNA, Earth Mover's Distance in bins";
-    if (method == "fd")
-        return "Frechet distance";
-    return method == "pixel" ? "pixel intensity, grey levels" : method + ", bins";
-}
-
 // Live frames that could not be localised however well: one line per query.
 std::string unreachable_text(const eval::Evaluation &evaluation)
 {
@@ -179,7 +171,7 @@ std::string tables_of(const eval::Evaluation &evaluation, bool colour)
     for (const eval::MethodResult &method : evaluation.methods) {
         if (method.distance.empty())
             continue;
-        text += "\n" + title_of(method.name) + "\n";
+        text += "\n" + eval::title_of(method.name) + ", " + eval::unit_of(method.name) + "\n";
         for (const Block &block : blocks)
             text += (block.begin > 0 ? "\n" : "") + method_table(evaluation, block, method, colour);
     }
@@ -212,7 +204,7 @@ std::string table_of(const eval::Ablation &ablation)
     table.begin_row();
     table.add(ablation.kind);
     for (const eval::MethodResult &method : ablation.rows.front().methods) {
-        if (method.name.find(':') != std::string::npos)
+        if (eval::is_of_tap(method.name))
             continue; // one tap among several
         table.add(method.name + " error/%");
         table.add("regret/%");
@@ -221,7 +213,7 @@ std::string table_of(const eval::Ablation &ablation)
         table.begin_row();
         table.add(row.value);
         for (const eval::MethodResult &method : row.methods) {
-            if (method.name.find(':') != std::string::npos)
+            if (eval::is_of_tap(method.name))
                 continue;
             table.add(number(method.metrics.ranking_error_swap_once, 3));
             table.add(number(method.metrics.regret, 3));

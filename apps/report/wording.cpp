@@ -12,24 +12,6 @@ const std::string &name_of(const eval::Evaluation &evaluation, size_t traversal)
     return (*evaluation.traversals)[traversal].name;
 }
 
-std::string title_of(const std::string &method)
-{
-    if (method == "vdna")
-        return "Visual DNA";
-    if (method == "fd")
-        return "Fréchet distance";
-    if (method == "pixel")
-        return "Pixel intensity";
-    return method == "random" ? "Chance" : "Visual DNA of tap " + method.substr(5); // "vdna:TAP"
-}
-
-std::string unit_of(const std::string &method)
-{
-    if (method == "fd")
-        return "squared embedding units";
-    return method == "pixel" ? "grey levels" : "bins";
-}
-
 std::string warmup_text(const eval::Evaluation &evaluation)
 {
     return "warmup " + evaluation.warmup + (evaluation.warmup.back() == 's' ? "" : " frames");

@@ -10,12 +10,6 @@ namespace vdna::report
 
 const std::string &name_of(const eval::Evaluation &evaluation, size_t traversal);
 
-// Of a method: "Visual DNA".
-std::string title_of(const std::string &method);
-
-// What its distances are measured in: "bins".
-std::string unit_of(const std::string &method);
-
 // "warmup 100 frames"
 std::string warmup_text(const eval::Evaluation &evaluation);
 // "tolerance 5 places"

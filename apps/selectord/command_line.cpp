@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include <vdna/cpp/error.hpp>
+#include <vdna/cpp/selector.hpp>
 #include <vdna/version.h>
 
 #include "program/exit_code.hpp"
@@ -62,7 +63,7 @@ void describe(CLI::App &app, Options &options, Invocation &invocation)
     CLI::Option *frames =
         app.add_option("--warmup-frames", options.warmup_frames, "Choose after this many frames")
             ->type_name("N")
-            ->check(CLI::Range(uint32_t{1}, warmup_frames_max));
+            ->check(CLI::Range(uint32_t{1}, UINT32_MAX));
     app.add_option("--warmup-seconds", options.warmup_seconds, "Choose after this much camera time")
         ->type_name("T")
         ->check(CLI::Range(warmup_seconds_min, warmup_seconds_max))

@@ -12,6 +12,7 @@
 #include <toml++/toml.h>
 
 #include <vdna/cpp/error.hpp>
+#include <vdna/cpp/selector.hpp>
 #include <vdna/image.h>
 
 #include "program/exit_code.hpp"
@@ -47,7 +48,7 @@ const std::array<Setting, 18> settings{{
     {"backbone", "manifest", &Config::manifest, 1, path_max},
     {"backbone", "threads", &Config::threads, 1, threads_max},
     {"backbone", "runtime", &Config::runtime, 0, path_max},
-    {"warmup", "frames", &Config::warmup_frames, 1, warmup_frames_max},
+    {"warmup", "frames", &Config::warmup_frames, 1, UINT32_MAX},
     {"warmup", "seconds", &Config::warmup_seconds, warmup_seconds_min, warmup_seconds_max},
     {"lcm", "url", &Config::url, 0, path_max},
     {"lcm", "camera", &Config::camera_channel, 1, channel_max},

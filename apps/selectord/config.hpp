@@ -5,6 +5,8 @@
 #include <iosfwd>
 #include <string>
 
+#include <vdna/backbone.h>
+#include <vdna/select.h>
 #include <vdna/transport.h>
 
 namespace vdna::selectord
@@ -13,12 +15,12 @@ namespace vdna::selectord
 // Every setting; the members hold the defaults.
 struct Config {
     std::string map_directory = "/var/lib/vdna/map";
-    std::string manifest = "efficientnet_lite0"; // bare name or path
-    uint32_t threads = 2;
-    std::string runtime;          // path of libonnxruntime.so; "" = found by itself
-    uint32_t warmup_frames = 100; // 0 = by time
-    double warmup_seconds = 0;    // 0 = by frames; exactly one of the two is set
-    std::string url;              // "" = $LCM_DEFAULT_URL, else LCM's default
+    std::string manifest = VDNA_BACKBONE_DEFAULT; // bare name or path
+    uint32_t threads = VDNA_BACKBONE_THREADS_DEFAULT;
+    std::string runtime; // path of libonnxruntime.so; "" = found by itself
+    uint32_t warmup_frames = VDNA_WARMUP_FRAMES_DEFAULT; // 0 = by time
+    double warmup_seconds = 0; // 0 = by frames; exactly one of the two is set
+    std::string url;           // "" = $LCM_DEFAULT_URL, else LCM's default
     std::string camera_channel = VDNA_CHANNEL_CAMERA;
     std::string command_channel = VDNA_CHANNEL_COMMAND;
     std::string ranking_channel = VDNA_CHANNEL_RANKING;
@@ -31,10 +33,6 @@ struct Config {
     std::string affinity; // as taskset's: "0,2-3"; "" = all that the process was given
     int32_t nice = 0;     // added to the niceness that the process was given
 };
-
-// Limits of a warmup; the command line shares them with the file.
-constexpr uint32_t warmup_frames_max = UINT32_MAX;
-constexpr double warmup_seconds_min = 0.001, warmup_seconds_max = 1e6;
 
 // Read a TOML file. Throws Error with file, line and column for a key that is unknown, of the
 // wrong type or out of its limits.

@@ -104,7 +104,7 @@ std::string backbone_of(const BuildOptions &options, const std::vector<Experienc
 {
     if (!options.network.backbone.empty())
         return options.network.backbone;
-    return remaining.empty() ? default_backbone : remaining.front()->identity.backbone;
+    return remaining.empty() ? VDNA_BACKBONE_DEFAULT : remaining.front()->identity.backbone;
 }
 
 uint32_t bins_of(const BuildOptions &options, const std::vector<Experience> &remaining)
@@ -226,7 +226,7 @@ void add_build(CLI::App &app)
         ->type_name("")
         ->required();
     add_network_options(*command, options->network,
-                        std::string("that of the map, else ") + default_backbone);
+                        std::string("that of the map, else ") + VDNA_BACKBONE_DEFAULT);
     add_source_options(*command, options->source);
     add_labels_option(*command, options->source);
     command

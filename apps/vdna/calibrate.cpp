@@ -48,14 +48,14 @@ void add_calibrate(CLI::App &app)
     CLI::App *command = app.add_subcommand(
         "calibrate", "Find the ranges of a backbone from pictures, and keep them in a file");
     const auto options = std::make_shared<CalibrateOptions>();
-    options->network.backbone = default_backbone;
+    options->network.backbone = VDNA_BACKBONE_DEFAULT;
     command->add_option("OUT.json", options->out, "ranges file to write, JSON")
         ->type_name("")
         ->required();
     command->add_option("SOURCE", options->sources, "folder of pictures, video file or LCM log")
         ->type_name("")
         ->required();
-    add_network_options(*command, options->network, default_backbone);
+    add_network_options(*command, options->network, VDNA_BACKBONE_DEFAULT);
     add_source_options(*command, options->source);
     add_range_rule_option(*command, options->rule);
     command->add_flag("--force", options->force, "replace OUT.json if it exists");

@@ -147,7 +147,7 @@ void run(const EvalOptions &o)
 {
     const frames::Dataset dataset = dataset_of(o);
     const eval::EvaluationSettings settings = settings_of(o, dataset);
-    Backbone backbone(o.network.backbone.empty() ? default_backbone : o.network.backbone,
+    Backbone backbone(o.network.backbone.empty() ? VDNA_BACKBONE_DEFAULT : o.network.backbone,
                       o.network.threads);
     const eval::Cache cache(o.cache);
     eval::Frames frames(dataset, backbone, cache, o.frames);
@@ -257,7 +257,7 @@ void add_eval(CLI::App &app)
         "eval", "Evaluate ranking and localisation on a data set, as the paper does");
     const auto options = std::make_shared<EvalOptions>();
     add_dataset_options(*command, *options);
-    add_network_options(*command, options->network, default_backbone);
+    add_network_options(*command, options->network, VDNA_BACKBONE_DEFAULT);
     add_protocol_options(*command, *options);
     add_output_options(*command, *options);
     command->footer(

@@ -25,7 +25,7 @@ constexpr size_t timed_pictures = 50;
 struct CheckOptions {
     std::array<std::string, 2> manifests; // as it was, and in another precision
     std::string pictures;
-    uint32_t threads = 2;
+    uint32_t threads = VDNA_BACKBONE_THREADS_DEFAULT;
     std::string cache;
     bool json = false;
 };
@@ -303,10 +303,7 @@ void add_check(CLI::App &app)
                      "rankings and recall")
         ->type_name("")
         ->required();
-    command->add_option("--threads", o->threads, "compute threads of the networks")
-        ->check(CLI::Range(1, 64).description(""))
-        ->type_name("1..64")
-        ->capture_default_str();
+    add_threads_option(*command, o->threads);
     command
         ->add_option("--cache", o->cache,
                      "directory of what was computed, by content (default: $XDG_CACHE_HOME/vdna)")

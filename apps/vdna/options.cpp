@@ -7,8 +7,6 @@
 namespace vdna::tool
 {
 
-const char *const default_backbone = "efficientnet_lite0";
-
 void add_network_options(CLI::App &command, NetworkOptions &options,
                          const std::string &default_text)
 {
@@ -17,9 +15,14 @@ void add_network_options(CLI::App &command, NetworkOptions &options,
                     "manifest of the network: its name, or the path of a .toml file (default: " +
                         default_text + ")")
         ->type_name("NAME|PATH");
-    command.add_option("--threads", options.threads, "compute threads of the network")
-        ->check(CLI::Range(1, 64).description(""))
-        ->type_name("1..64")
+    add_threads_option(command, options.threads);
+}
+
+void add_threads_option(CLI::App &command, uint32_t &threads)
+{
+    command.add_option("--threads", threads, "compute threads of the network")
+        ->check(CLI::Range(1u, VDNA_BACKBONE_THREADS_MAX).description(""))
+        ->type_name("1.." + std::to_string(VDNA_BACKBONE_THREADS_MAX))
         ->capture_default_str();
 }
 

@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <vdna/backbone.h>
+
 #include "frames/source.hpp"
 
 namespace vdna::tool
@@ -13,12 +15,15 @@ namespace vdna::tool
 // Which network runs, and how.
 struct NetworkOptions {
     std::string backbone; // manifest name or path; "" = the sub-command's default
-    uint32_t threads = 2;
+    uint32_t threads = VDNA_BACKBONE_THREADS_DEFAULT;
 };
 
-// default_backbone: for --help.
+// default_text: the default, for --help.
 void add_network_options(CLI::App &command, NetworkOptions &options,
-                         const std::string &default_backbone);
+                         const std::string &default_text);
+
+// --threads
+void add_threads_option(CLI::App &command, uint32_t &threads);
 
 // --rate, --camera, --every, --skip-bad.
 void add_source_options(CLI::App &command, frames::SourceOptions &options);
@@ -28,8 +33,5 @@ void add_labels_option(CLI::App &command, frames::SourceOptions &options);
 
 // --range-rule; rule: VDNA_RANGE_ABOUT_...
 void add_range_rule_option(CLI::App &command, uint32_t &rule);
-
-// The backbone that is used where neither the user nor a map names one.
-extern const char *const default_backbone;
 
 } // namespace vdna::tool

@@ -26,7 +26,7 @@ struct RankOptions {
     std::vector<std::string> paths;
     NetworkOptions network;
     frames::SourceOptions source;
-    std::string warmup = "100";
+    std::string warmup = std::to_string(VDNA_WARMUP_FRAMES_DEFAULT);
     std::vector<std::string> exclude;
     bool per_tap = false;
     bool json = false;

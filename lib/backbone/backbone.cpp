@@ -45,14 +45,12 @@ namespace
 
 using Clock = std::chrono::steady_clock;
 
-constexpr uint32_t threads_default = 2;
-constexpr uint32_t threads_max = 256;
 constexpr size_t oldest_config = sizeof(vdna_backbone_config); // in version 0.1
 
 vdna_backbone_config default_config()
 {
     vdna_backbone_config config{};
-    config.threads = threads_default;
+    config.threads = VDNA_BACKBONE_THREADS_DEFAULT;
     config.max_pixels = VDNA_IMAGE_PIXELS_MAX;
     return config;
 }
@@ -212,12 +210,12 @@ vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *e
 {
     vdna_backbone_config known = default_config();
     if (!vdna_config_read(config, oldest_config, &known, sizeof known) || !known.manifest ||
-        known.threads < 1 || known.threads > threads_max || known.max_pixels < 1 ||
+        known.threads < 1 || known.threads > VDNA_BACKBONE_THREADS_MAX || known.max_pixels < 1 ||
         known.max_pixels > VDNA_IMAGE_PIXELS_MAX || !out_backbone)
         return vdna_fail(error, VDNA_ERR_ARG,
                          "vdna_backbone_open: a manifest, 1 to %u threads and pictures of 1 to %u "
                          "pixels are expected",
-                         threads_max, VDNA_IMAGE_PIXELS_MAX);
+                         VDNA_BACKBONE_THREADS_MAX, VDNA_IMAGE_PIXELS_MAX);
     return fail::guarded(error, [&] {
         const Manifest manifest = read_manifest(find_manifest(known.manifest));
         require_processor(manifest);

@@ -60,20 +60,31 @@ static span span_from(const vdna_hist_view *p, const vdna_hist_view *q, size_t f
     return s;
 }
 
-/* For the proof of add_row() in test/hostile/proof. `moved` is what a bin adds to the running
- * difference; that all of it fits is the bound which was checked before. */
+/* For the proofs of add_row() and add_narrow_row() in test/hostile/proof. `moved` is what a bin
+ * adds to the running difference; sum_span() has checked the bound by which all of it fits. */
 /*@ lemma product: \forall integer x, y; 0 <= x <= UINT32_MAX && 0 <= y <= UINT32_MAX ==>
       0 <= x * y <= UINT64_MAX;
     predicate fits(integer difference, integer sum, integer moved) =
       -INT64_MAX <= moved <= INT64_MAX && -INT64_MAX <= difference + moved <= INT64_MAX &&
-      0 <= sum && sum + \abs(difference + moved) <= INT64_MAX; */
+      0 <= sum && sum + \abs(difference + moved) <= INT64_MAX;
+    predicate fits_narrow(integer difference, integer sum, integer moved_p, integer moved_q) =
+      0 <= moved_p <= INT32_MAX && 0 <= moved_q <= INT32_MAX &&
+      -INT32_MAX <= difference + moved_p - moved_q && difference + moved_p <= INT32_MAX &&
+      0 <= sum && sum + \abs(difference + moved_p - moved_q) <= INT32_MAX; */
 
 /*@ requires \valid_read(row_p + (0 .. neurons - 1)) && \valid_read(row_q + (0 .. neurons - 1));
     requires \valid(difference + (0 .. neurons - 1)) && \valid(sum + (0 .. neurons - 1));
-    requires \separated(difference + (0 .. neurons - 1), sum + (0 .. neurons - 1));
+    requires \separated(row_p + (0 .. neurons - 1), difference + (0 .. neurons - 1),
+      sum + (0 .. neurons - 1));
+    requires \separated(row_q + (0 .. neurons - 1), difference + (0 .. neurons - 1),
+      sum + (0 .. neurons - 1));
     requires \forall integer n; 0 <= n < neurons ==>
       fits(difference[n], sum[n], row_p[n] * scale_p - row_q[n] * scale_q);
-    assigns difference[0 .. neurons - 1], sum[0 .. neurons - 1]; */
+    assigns difference[0 .. neurons - 1], sum[0 .. neurons - 1];
+    ensures \forall integer n; 0 <= n < neurons ==>
+      difference[n] == \old(difference[n]) + row_p[n] * scale_p - row_q[n] * scale_q;
+    ensures \forall integer n; 0 <= n < neurons ==>
+      sum[n] == \old(sum[n]) + \abs(difference[n]); */
 VDNA_VECTORISED static void add_row(const uint32_t *restrict row_p, const uint32_t *restrict row_q,
                                     uint32_t scale_p, uint32_t scale_q, size_t neurons,
                                     int64_t *restrict difference, int64_t *restrict sum)
@@ -82,6 +93,10 @@ VDNA_VECTORISED static void add_row(const uint32_t *restrict row_p, const uint32
         loop invariant \forall integer i; n <= i < neurons ==>
           difference[i] == \at(difference[i], Pre);
         loop invariant \forall integer i; n <= i < neurons ==> sum[i] == \at(sum[i], Pre);
+        loop invariant \forall integer i; 0 <= i < n ==> difference[i] ==
+          \at(difference[i], Pre) + row_p[i] * scale_p - row_q[i] * scale_q;
+        loop invariant \forall integer i; 0 <= i < n ==>
+          sum[i] == \at(sum[i], Pre) + \abs(difference[i]);
         loop assigns n, difference[0 .. neurons - 1], sum[0 .. neurons - 1];
         loop variant neurons - n; */
     for (size_t n = 0; n < neurons; n++) {
@@ -97,11 +112,34 @@ VDNA_VECTORISED static void add_row(const uint32_t *restrict row_p, const uint32
 }
 
 /* As add_row(), where all of it fits 32 bits: twice as many neurons in a vector. */
+/*@ requires \valid_read(row_p + (0 .. neurons - 1)) && \valid_read(row_q + (0 .. neurons - 1));
+    requires \valid(difference + (0 .. neurons - 1)) && \valid(sum + (0 .. neurons - 1));
+    requires \separated(row_p + (0 .. neurons - 1), difference + (0 .. neurons - 1),
+      sum + (0 .. neurons - 1));
+    requires \separated(row_q + (0 .. neurons - 1), difference + (0 .. neurons - 1),
+      sum + (0 .. neurons - 1));
+    requires \forall integer n; 0 <= n < neurons ==>
+      fits_narrow(difference[n], sum[n], row_p[n] * scale_p, row_q[n] * scale_q);
+    assigns difference[0 .. neurons - 1], sum[0 .. neurons - 1];
+    ensures \forall integer n; 0 <= n < neurons ==>
+      difference[n] == \old(difference[n]) + row_p[n] * scale_p - row_q[n] * scale_q;
+    ensures \forall integer n; 0 <= n < neurons ==>
+      sum[n] == \old(sum[n]) + \abs(difference[n]); */
 VDNA_VECTORISED static void add_narrow_row(const uint32_t *restrict row_p,
                                            const uint32_t *restrict row_q, uint32_t scale_p,
                                            uint32_t scale_q, size_t neurons,
                                            int32_t *restrict difference, int32_t *restrict sum)
 {
+    /*@ loop invariant 0 <= n <= neurons;
+        loop invariant \forall integer i; n <= i < neurons ==>
+          difference[i] == \at(difference[i], Pre);
+        loop invariant \forall integer i; n <= i < neurons ==> sum[i] == \at(sum[i], Pre);
+        loop invariant \forall integer i; 0 <= i < n ==> difference[i] ==
+          \at(difference[i], Pre) + row_p[i] * scale_p - row_q[i] * scale_q;
+        loop invariant \forall integer i; 0 <= i < n ==>
+          sum[i] == \at(sum[i], Pre) + \abs(difference[i]);
+        loop assigns n, difference[0 .. neurons - 1], sum[0 .. neurons - 1];
+        loop variant neurons - n; */
     for (size_t n = 0; n < neurons; n++) {
         const int32_t d =
             difference[n] + (int32_t)(row_p[n] * scale_p) - (int32_t)(row_q[n] * scale_q);

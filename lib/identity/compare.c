@@ -3,10 +3,29 @@
 #include <string.h>
 #include <vdna/identity.h>
 
+/* Most characters of a value in the sentence: two, and what the caller adds, must fit a vdna_error.
+ */
+#define SHOWN 100u
+
+/* Characters before the first difference that are left in a value that is cut. */
+#define KEPT 20u
+
+/* Where to begin to show two values: not at once if they are long and begin alike. */
+static size_t shown_from(const char *of_a, const char *of_b)
+{
+    size_t same = 0;
+    while (of_a[same] != '\0' && of_a[same] == of_b[same])
+        same++;
+    const int is_long = strlen(of_a) > SHOWN || strlen(of_b) > SHOWN;
+    return is_long && same > KEPT ? same - KEPT : 0;
+}
+
 static vdna_status differ(const char *field, const char *of_a, const char *of_b, vdna_error *error)
 {
-    return vdna_fail(error, VDNA_ERR_MISMATCH, "%s is %.100s in one and %.100s in the other", field,
-                     of_a, of_b);
+    const size_t from = shown_from(of_a, of_b);
+    const char *const cut = from > 0 ? "..." : "";
+    return vdna_fail(error, VDNA_ERR_MISMATCH, "%s is %s%.*s in one and %s%.*s in the other", field,
+                     cut, (int)SHOWN, of_a + from, cut, (int)SHOWN, of_b + from);
 }
 
 static vdna_status compare_texts(const char *field, const char *of_a, const char *of_b,

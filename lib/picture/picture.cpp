@@ -48,5 +48,5 @@ vdna_status vdna_decoder_decode(vdna_decoder *decoder, const vdna_image *image, 
 /* see vdna/picture.h */
 float vdna_pixels_mean_grey(const vdna_pixels *pixels)
 {
-    return picture::mean_grey(*pixels);
+    return pixels ? picture::mean_grey(*pixels) : 0.0f;
 }

@@ -193,8 +193,9 @@ class Listener:
 
     def next(self, seconds=PATIENCE):
         """The next message's bytes."""
-        self._socket.settimeout(seconds)
+        deadline = time.monotonic() + seconds  # for all: other channels' messages come meanwhile
         while True:
+            self._socket.settimeout(max(0.001, deadline - time.monotonic()))
             data = self._socket.recv(65536)
             if data[8:8 + len(self._channel)] == self._channel:
                 return data[8 + len(self._channel):]

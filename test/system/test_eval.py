@@ -329,7 +329,7 @@ class Results(OwnSet):
                     self.cache)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertNotIn("\x1b", done.stdout)
-        pixel = done.stdout.split("pixel intensity, grey levels\n")[1].splitlines()
+        pixel = done.stdout.split("Pixel intensity, grey levels\n")[1].splitlines()
         self.assertRegex(pixel[1], r"- dusk \*$")
         self.assertRegex(pixel[2], r"- noon \*$")
 

@@ -1,4 +1,5 @@
-// rank: which of three drives looks most like now? As ../rank.c, and it prints the same bytes.
+// rank: which of three drives looks most like now, and where in it are we? As ../rank.c, and it
+// prints the same bytes.
 //
 //	go run .    # libvdna not installed: with CGO_CFLAGS=-I..., CGO_LDFLAGS=-L..., LD_LIBRARY_PATH
 package main
@@ -14,6 +15,7 @@ const (
 	neurons = 8
 	samples = 4
 	frames  = 50
+	warmup  = 40
 	bins    = 1000
 )
 
@@ -54,6 +56,40 @@ func count(d drive, ranges vdna.Ranges) (*vdna.Histogram, error) {
 	return histogram, d.eachFrame(histogram.Add)
 }
 
+// embedding of a frame: here just its first sample.
+func embedding(values []float32) []float32 { return append([]float32{}, values[:neurons]...) }
+
+// choose warms up on the first frames, chooses, and finds the last frame in the chosen drive.
+func choose(histograms []*vdna.Histogram) error {
+	experiences := make([]vdna.Candidate, len(candidates))
+	for i, d := range candidates {
+		experiences[i].Histogram = histograms[i]
+		d.eachFrame(func(values []float32) error {
+			experiences[i].Embeddings = append(experiences[i].Embeddings, embedding(values))
+			return nil
+		})
+	}
+	selector, err := vdna.NewSelector(experiences, warmup)
+	if err != nil {
+		return err
+	}
+	defer selector.Close()
+	nearest, utime := -1, int64(0)
+	err = now.eachFrame(func(values []float32) (err error) {
+		nearest, err = selector.Feed(utime, values, embedding(values))
+		utime++
+		return err
+	})
+	if err != nil {
+		return err
+	}
+	name := candidates[selector.Chosen()].name
+	fmt.Printf("live: %s after %d frames, by %.17f bins\n",
+		name, selector.WindowFrames(), selector.MarginBins())
+	fmt.Printf("now is nearest to frame %d of %s\n", nearest, name)
+	return nil
+}
+
 func run() error {
 	// Ranges come from the map alone; the live drive never changes them.
 	ranges := vdna.NewRanges(neurons)
@@ -80,11 +116,14 @@ func run() error {
 	}
 
 	ranking, err := vdna.Rank(live, histograms)
+	if err != nil {
+		return err
+	}
 	for place, entry := range ranking {
 		name := candidates[entry.Candidate].name
 		fmt.Printf("%d. %s is %.17f bins away\n", place+1, name, entry.DistanceBins)
 	}
-	return err
+	return choose(histograms)
 }
 
 func main() {

@@ -1,4 +1,5 @@
-"""rank: which of three drives looks most like now? As ../rank.c, and it prints the same bytes.
+"""rank: which of three drives looks most like now, and where in it are we? As ../rank.c, and it
+prints the same bytes.
 
 pip install lib/python; python3 rank.py
 """
@@ -7,7 +8,7 @@ import numpy as np
 
 import libvdna
 
-NEURONS, SAMPLES, FRAMES = 8, 4, 50
+NEURONS, SAMPLES, FRAMES, WARMUP = 8, 4, 50, 40
 # Made-up drives: a seed, and the least activation. Each lies in shift..shift + 1.
 CANDIDATES = {"spring": (1, 0.0), "summer": (2, 0.25), "winter": (3, 0.75)}
 NOW = (4, 0.3125)
@@ -32,6 +33,24 @@ def count(drive, table):
     return histogram
 
 
+def experience(drive, table):
+    """What the selector needs of a drive. The embedding of a frame is here just its first sample."""
+    embeddings = np.array([values[0] for values in frames_of(drive)])
+    return libvdna.Candidate(count(drive, table), embeddings)
+
+
+def choose(table):
+    """Warm up on the first frames, choose, and find the last frame in the chosen drive."""
+    experiences = [experience(drive, table) for drive in CANDIDATES.values()]
+    selector = libvdna.Selector(experiences, warmup_frames=WARMUP)
+    for utime, values in enumerate(frames_of(NOW)):
+        answer = selector.feed(utime, values[0], values)
+    chosen = list(CANDIDATES)[selector.chosen]
+    frames, margin = selector.window_frames, selector.margin_bins
+    print(f"live: {chosen} after {frames} frames, by {margin:.17f} bins")
+    print(f"now is nearest to frame {answer.match.frame} of {chosen}")
+
+
 def main():
     # Ranges come from the map alone; the live drive never changes them.
     ranges = libvdna.Ranges(NEURONS)
@@ -44,6 +63,7 @@ def main():
     names = list(CANDIDATES)
     for place, entry in enumerate(ranking, 1):
         print(f"{place}. {names[entry.candidate]} is {entry.distance_bins:.17f} bins away")
+    choose(table)
 
 
 main()

@@ -5,6 +5,7 @@
 #define VDNA_ACTIVATION_H
 
 #include <stddef.h>
+
 #include <vdna/status.h>
 
 #ifdef __cplusplus

@@ -17,13 +17,19 @@
 extern "C" {
 #endif
 
+#define VDNA_BACKBONE_DEFAULT \
+    "efficientnet_lite0"                 /**< network of programs that are told no other */
+#define VDNA_BACKBONE_THREADS_DEFAULT 2u /**< compute threads of a network */
+#define VDNA_BACKBONE_THREADS_MAX 256u   /**< most compute threads of a network */
+
 /** An open network. One thread at a time, except for vdna_backbone_cancel(). */
 typedef struct vdna_backbone vdna_backbone;
 
 /** How to open one. Fill with vdna_backbone_config_init(), then set `manifest`. */
 typedef struct vdna_backbone_config {
     uint32_t struct_size; /**< bytes of this struct, set by vdna_backbone_config_init() */
-    uint32_t threads;     /**< compute threads of the network, >= 1; default 2 */
+    uint32_t threads;     /**< compute threads of the network, 1..VDNA_BACKBONE_THREADS_MAX;
+                               default VDNA_BACKBONE_THREADS_DEFAULT */
     uint32_t max_pixels;  /**< largest width x height that is decoded, 1..VDNA_IMAGE_PIXELS_MAX,
                                which is the default: bounds the memory for decoding */
     uint32_t reserved;    /**< 0 */

@@ -12,6 +12,7 @@
 #define VDNA_IDENTITY_H
 
 #include <stddef.h>
+
 #include <vdna/status.h>
 
 #ifdef __cplusplus
@@ -66,8 +67,8 @@ VDNA_API vdna_status vdna_identity_check(const vdna_identity *identity, vdna_err
  *  @param a, b   texts are NUL-terminated; `range` has `neurons` rows or is NULL
  *  @param error  names the first field that differs and both values: "bins is 4 in one and 8 in the
  *                other", `one` being a. If models differ because their precision does, it names the
- *                precision. Where it happened and what to do is for the caller to add. NULL = not
- *                wanted
+ *                precision. Long values are shown from where they differ. The caller adds where it
+ *                happened and what to do. NULL = not wanted
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_MISMATCH */
 VDNA_API vdna_status vdna_identity_compare(const vdna_identity *a, const vdna_identity *b,
                                            vdna_error *error);

@@ -12,6 +12,7 @@
 #define VDNA_KNN_H
 
 #include <stddef.h>
+
 #include <vdna/status.h>
 
 #ifdef __cplusplus

@@ -10,6 +10,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+
 #include <vdna/message.h>
 #include <vdna/status.h>
 

@@ -69,7 +69,7 @@ VDNA_API vdna_status vdna_decoder_decode(vdna_decoder *decoder, const vdna_image
 
 /** Mean grey level of a whole picture (BT.601).
  *  @param pixels  as vdna_decoder_decode() fills them
- *  @return 0..255 */
+ *  @return 0..255; 0 for NULL */
 VDNA_API float vdna_pixels_mean_grey(const vdna_pixels *pixels);
 
 #ifdef __cplusplus

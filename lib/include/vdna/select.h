@@ -19,6 +19,9 @@
 extern "C" {
 #endif
 
+/** Frames of a warmup where nobody asks for another length; the paper's. */
+#define VDNA_WARMUP_FRAMES_DEFAULT 100u
+
 /** State of a selector. */
 enum {
     VDNA_SELECT_WARMUP = 0,  /**< collecting the live Visual DNA; there is no choice yet */

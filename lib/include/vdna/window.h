@@ -99,7 +99,7 @@ VDNA_API void vdna_window_config_init_sized(vdna_window_config *config, size_t s
 VDNA_API size_t vdna_window_mem_size(const vdna_window_config *config);
 
 /** Make an empty window in `mem`.
- *  @param config  needed for this call only; what it says of its taps and range holds
+ *  @param config  needed for this call only; its range is borrowed, and for a last window its taps
  *  @param mem  aligned for int64_t, `mem_size` bytes; holds the window, so it must stay where it is
  *              as long as that is in use
  *  @param mem_size  at least vdna_window_mem_size()
@@ -108,7 +108,7 @@ VDNA_API size_t vdna_window_mem_size(const vdna_window_config *config);
 VDNA_API vdna_status vdna_window_init(const vdna_window_config *config, void *mem, size_t mem_size,
                                       vdna_window **out_window);
 
-/** Give a frame to a window, as the table above says. After an error the window is unchanged.
+/** Offer a frame; the table above says what becomes of it. After an error the window is unchanged.
  *  @param window     from vdna_window_init()
  *  @param utime      the camera's stamp in microseconds
  *  @param taps       [tap_count], of the shape in the config

@@ -29,6 +29,7 @@ STRUCTS = {
     "vdna_select_frame": _library.SelectFrame,
     "vdna_select_answer": _library.SelectAnswer,
     "vdna_identity": _library.IdentityFields,
+    "vdna_tap": _library.TapFields,
     "vdna_experience": _library.ExperienceFile,
 }
 

@@ -96,6 +96,12 @@ static void print_map(void)
     FIELD(vdna_identity, bins);
     FIELD(vdna_identity, range);
 
+    STRUCT(vdna_tap);
+    FIELD(vdna_tap, name);
+    FIELD(vdna_tap, name_length);
+    FIELD(vdna_tap, neurons);
+    FIELD(vdna_tap, samples);
+
     STRUCT(vdna_experience);
     FIELD(vdna_experience, name);
     FIELD(vdna_experience, identity);

@@ -33,7 +33,8 @@ ROOMS = {
     "apps/report": (10, ["apps/eval", "apps/frames", "apps/program", "apps/record", "lib/core",
                          "lib/picture"]),
     "apps/vdna": (11, ["apps/eval", "apps/frames", "apps/program", "apps/record", "apps/report",
-                       "apps/simulate", "apps/telemetry", "lib/core", "lib/cpp", "lib/transport"]),
+                       "apps/simulate", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
+                       "lib/transport"]),
     "apps/selectord": (11, ["apps/program", "lib/backbone", "lib/core", "lib/cpp", "lib/map",
                             "lib/select", "lib/transport"]),
 }

@@ -12,6 +12,19 @@ static void require(int condition)
         abort();
 }
 
+/* The identity of an accepted experience is valid, and its taps are written as they are read. */
+static void use_identity(const vdna_experience *e)
+{
+    char sha256[VDNA_SHA256_SIZE], taps[VDNA_TAPS_SIZE] = "";
+    require(vdna_identity_check(&e->identity, NULL) == VDNA_OK);
+    require(vdna_identity_hash(&e->identity, sha256) == VDNA_OK);
+    require(strcmp(sha256, e->comparable) == 0);
+    const char *rest = e->identity.taps;
+    for (vdna_tap tap; vdna_taps_next(&rest, &tap) == VDNA_OK;)
+        require(vdna_taps_append(taps, sizeof taps, &tap) == VDNA_OK);
+    require(strcmp(taps, e->identity.taps) == 0);
+}
+
 /* Read all that an accepted experience points to: what was promised must hold. */
 static void use(const vdna_experience *e)
 {
@@ -24,6 +37,7 @@ static void use(const vdna_experience *e)
     free(scratch);
     require(distance == 0 && (status == VDNA_OK || status == VDNA_ERR_OVERFLOW));
     require(vdna_experience_compare(e, e, NULL) == VDNA_OK);
+    use_identity(e);
 
     vdna_field fields[VDNA_FIELD_COUNT];
     vdna_layout_of(e, fields);

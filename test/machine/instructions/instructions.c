@@ -8,6 +8,8 @@
 #include <vdna/knn.h>
 #include <vdna/rank.h>
 
+#include "count.h"
+
 #define NEURONS 250u
 #define SAMPLES 64u // of each neuron in a frame
 #define BINS 1000u
@@ -76,6 +78,7 @@ static vdna_hist_view views[1 + CANDIDATES];
 static int64_t scratch[4 * NEURONS];
 static vdna_rank_entry ranking[CANDIDATES];
 static float map[ROWS * DIM], query[DIM];
+static uint16_t slots[SAMPLES * NEURONS];
 static vdna_activations tap = {activations, NEURONS, SAMPLES, VDNA_LAYOUT_SAMPLES_NEURONS};
 
 static void make_frame(enum data data)
@@ -126,9 +129,39 @@ static void prepare_hist(enum data data)
     make_frame(data);
 }
 
+// The same numbers as a feature map.
+static void prepare_hist_of_map(enum data data)
+{
+    prepare_hist(data);
+    tap.layout = VDNA_LAYOUT_NEURONS_SAMPLES;
+}
+
+static void prepare_uncount(enum data data)
+{
+    prepare_hist(data);
+    vdna_count_frame(&hists[0], &tap, 1, slots);
+}
+
 static void prepare_emd(enum data data)
 {
     make_hists(data, 2);
+}
+
+// As if each of its frames had come so many times.
+static void repeat(vdna_hist *hist, uint32_t times)
+{
+    for (size_t i = 0; i < (size_t)NEURONS * BINS; i++)
+        hist->counts[i] *= times;
+    for (size_t n = 0; n < NEURONS; n++)
+        hist->mass[n] *= times;
+}
+
+// The common multiple of these masses needs sums of 64 bits.
+static void prepare_emd_wide(enum data data)
+{
+    make_hists(data, 2);
+    repeat(&hists[0], 181);
+    repeat(&hists[1], 191);
 }
 
 static void prepare_rank(enum data data)
@@ -139,6 +172,18 @@ static void prepare_rank(enum data data)
 static vdna_status run_hist_add(void)
 {
     return vdna_hist_add(&hists[0], &tap, 1);
+}
+
+static vdna_status run_count(void)
+{
+    vdna_count_frame(&hists[0], &tap, 1, slots);
+    return VDNA_OK;
+}
+
+static vdna_status run_uncount(void)
+{
+    vdna_uncount_frame(&hists[0], &tap, 1, slots);
+    return VDNA_OK;
 }
 
 static vdna_status run_emd(void)
@@ -164,7 +209,11 @@ static const struct {
     vdna_status (*run)(void);
 } things[] = {
     {"hist_add", prepare_hist, run_hist_add},
+    {"hist_add_map", prepare_hist_of_map, run_hist_add},
+    {"count", prepare_hist, run_count},
+    {"uncount", prepare_uncount, run_uncount},
     {"emd", prepare_emd, run_emd},
+    {"emd_wide", prepare_emd_wide, run_emd},
     {"rank", prepare_rank, run_rank},
     {"knn", make_map, run_knn},
 };
@@ -184,5 +233,5 @@ int main(int argc, char **argv)
                     things[t].prepare((enum data)k);
                     return measured(things[t].run) == VDNA_OK ? 0 : 1;
                 }
-    return fprintf(stderr, "usage: instructions hist_add|emd|rank|knn random|constant|...\n"), 2;
+    return fprintf(stderr, "usage: instructions hist_add|emd|... random|constant|...\n"), 2;
 }

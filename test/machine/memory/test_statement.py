@@ -88,8 +88,9 @@ class Statement(WithConfiguration):
                 camera.send_jpeg(utime, padded if utime % 2 else picture)
                 time.sleep(0.001)
             camera.send_jpeg(60, picture)
+            # A slow machine's queue may be full at that moment; then older frames are answered first.
             while answer_of(answers.next())[0] != 60:
-                pass
+                camera.send_jpeg(60, picture)
             most = memory_of(daemon.pid)["VmHWM"]
         print(f"stated {stated['resident_bytes_max'] / MIB:.1f} MiB, was {most / MIB:.1f} MiB")
         self.assertLessEqual(most, stated["resident_bytes_max"])

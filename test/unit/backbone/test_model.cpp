@@ -1,4 +1,5 @@
 // Model files: what is refused, and that nothing else is loaded than what was hashed.
+#include <algorithm>
 #include <cstdint>
 
 #include <cmocka.hpp>
@@ -11,6 +12,7 @@
 
 #include "failure.hpp"
 #include "model.hpp"
+#include "sha256.h"
 
 using namespace vdna::backbone;
 
@@ -49,6 +51,44 @@ static void an_empty_file_has_a_hash_as_well(void **)
     const Folder folder;
     const Model model(folder.write("a.onnx", ""), sha256_of(""));
     assert_true(file_bytes(model.path()).empty());
+}
+
+static std::string noise(size_t count)
+{
+    std::string bytes;
+    uint32_t state = 1;
+    for (size_t i = 0; i < count; i++) {
+        state = state * 1664525u + 1013904223u;
+        bytes += static_cast<char>(state >> 24);
+    }
+    return bytes;
+}
+
+static void a_file_of_any_length_has_its_hash(void **)
+{
+    const Folder folder;
+    const std::string all = noise((size_t{1} << 19) + 100);
+    for (const size_t piece : {size_t{64}, size_t{1} << 18, size_t{1} << 19})
+        for (const int more : {-64, -9, -8, -1, 0, 1, 55, 56, 63, 64, 65}) {
+            const std::string bytes = all.substr(0, piece + static_cast<size_t>(more));
+            const Model model(folder.write("a.onnx", bytes), sha256_of(bytes));
+        }
+}
+
+static void instructions_give_the_hash_of_libmd(void **)
+{
+    const std::string bytes = noise(100 * VDNA_SHA256_BLOCK);
+    const auto *const blocks = reinterpret_cast<const uint8_t *>(bytes.data());
+    SHA2_CTX expected;
+    SHA256Init(&expected);
+    uint32_t *const state = expected.state.st32;
+    uint32_t found[8];
+    std::copy(state, state + 8, found);
+    if (!vdna_sha256_by_instruction(found, blocks, 100))
+        _skip(__FILE__, __LINE__); // the macro is undone by cmocka.hpp
+    for (size_t i = 0; i < 100; i++)
+        SHA256Transform(state, blocks + i * VDNA_SHA256_BLOCK);
+    assert_memory_equal(found, state, sizeof found);
 }
 
 static void other_bytes_are_refused(void **)
@@ -145,6 +185,8 @@ int main()
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_pinned_bytes_are_what_is_loaded),
         cmocka_unit_test(an_empty_file_has_a_hash_as_well),
+        cmocka_unit_test(a_file_of_any_length_has_its_hash),
+        cmocka_unit_test(instructions_give_the_hash_of_libmd),
         cmocka_unit_test(other_bytes_are_refused),
         cmocka_unit_test(what_is_no_file_is_refused),
         cmocka_unit_test(weights_in_another_file_are_refused),

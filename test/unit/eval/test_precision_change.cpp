@@ -17,7 +17,7 @@ static Evaluation evaluation(const std::vector<double> &distance, const std::vec
     e.references = {1, 2, 3};
     e.recall = recall;
     e.methods.push_back({"vdna", distance, {}});
-    e.queries.push_back({0, 2, {}, {}, {}, {}});
+    e.queries.push_back({0, 0, 2, {}, {}, {}, {}});
     for (size_t i = 0; i < recall.size(); i++) {
         PairResult pair{e.references[i], {}, {}};
         pair.outcome.recall[0] = recall[i];

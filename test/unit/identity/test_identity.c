@@ -160,6 +160,33 @@ static void a_precision_that_explains_other_models_is_reported_instead_of_them(v
     assert_differ(&int8, &sample, "precision is int8 in one and fp32 in the other");
 }
 
+static void long_values_are_shown_from_where_they_differ(void **state)
+{
+    (void)state;
+    vdna_identity a = sample, b;
+    static const char block[] = "blocks.11:768:197,";
+    for (size_t i = 0; i < 12; i++)
+        memcpy(a.taps + i * strlen(block), block, sizeof block);
+    b = a;
+    b.taps[11 * strlen(block) + 15] = '6';
+    assert_differ(&a, &b,
+                  "taps is ...:197,blocks.11:768:197, in one and ...:197,blocks.11:768:167, in the"
+                  " other");
+    /* One is where the other begins. */
+    b.taps[11 * strlen(block)] = '\0';
+    assert_differ(
+        &b, &a,
+        "taps is ...7,blocks.11:768:197, in one and ...7,blocks.11:768:197,blocks.11:768:197,"
+        " in the other");
+    /* At their beginning, and when only one of them is long. */
+    strcpy(b.taps, "mid:2:4");
+    char sentence[256];
+    snprintf(sentence, sizeof sentence, "taps is mid:2:4 in one and %.100s in the other", a.taps);
+    assert_differ(&b, &a, sentence);
+    snprintf(sentence, sizeof sentence, "taps is %.100s in one and mid:2:4 in the other", a.taps);
+    assert_differ(&a, &b, sentence);
+}
+
 static void what_one_side_does_not_know_is_not_compared(void **state)
 {
     (void)state;
@@ -369,6 +396,7 @@ int main(void)
         cmocka_unit_test(a_precision_that_is_not_stated_is_fp32),
         cmocka_unit_test(a_comparison_names_the_first_difference_and_both_values),
         cmocka_unit_test(a_precision_that_explains_other_models_is_reported_instead_of_them),
+        cmocka_unit_test(long_values_are_shown_from_where_they_differ),
         cmocka_unit_test(what_one_side_does_not_know_is_not_compared),
         cmocka_unit_test(the_text_has_a_line_for_each_field),
         cmocka_unit_test(the_longest_identity_has_room_in_its_text),

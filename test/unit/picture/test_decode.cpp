@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <cmocka.hpp>
+#include <counted_new.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -363,6 +364,23 @@ static void mean_grey_weighs_the_channels_over_the_whole_picture(void **)
     assert_float_equal(picture::mean_grey(decoder.decode(image)), 76.5f, 1e-4f);
 }
 
+static void no_picture_costs_an_allocation(void **)
+{
+    const Bytes jpeg = encoded(".jpg"), raw(size_t{4} * width * height, 128);
+    Decoder decoder(width * height);
+    const uint32_t formats[] = {VDNA_PIXEL_GREY, VDNA_PIXEL_RGB3, VDNA_PIXEL_BGR3, VDNA_PIXEL_RGB4,
+                                VDNA_PIXEL_BGR4, VDNA_PIXEL_YUYV, VDNA_PIXEL_UYVY, VDNA_PIXEL_I420,
+                                VDNA_PIXEL_YU12, VDNA_PIXEL_NV12};
+    const size_t before = allocations;
+    for (const uint32_t format : formats)
+        for (const uint32_t rows : {2u, uint32_t{height}})
+            for (const uint32_t columns : {2u, uint32_t{width}})
+                picture::mean_grey(
+                    decoder.decode({raw.data(), raw.size(), columns, rows, 0, format}));
+    picture::mean_grey(decoder.decode(image_of(jpeg, VDNA_PIXEL_MJPG)));
+    assert_int_equal(allocations, before);
+}
+
 static void mjpg_frames_may_lack_their_huffman_tables(void **)
 {
     Bytes bytes = encoded(".jpg");
@@ -494,6 +512,7 @@ int main()
         cmocka_unit_test(an_encoded_picture_that_is_no_jpeg_is_refused_with_what_to_do),
         cmocka_unit_test(grey_pictures_have_three_equal_channels),
         cmocka_unit_test(mean_grey_weighs_the_channels_over_the_whole_picture),
+        cmocka_unit_test(no_picture_costs_an_allocation),
         cmocka_unit_test(mjpg_frames_may_lack_their_huffman_tables),
         cmocka_unit_test(mjpg_frames_may_be_padded_before_and_after_the_end_marker),
         cmocka_unit_test(damaged_jpeg_is_refused),

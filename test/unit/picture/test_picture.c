@@ -63,6 +63,7 @@ static void arguments_out_of_range_are_refused(void **state)
     assert_int_equal(vdna_decoder_decode(decoder, &small, NULL, NULL), VDNA_ERR_ARG);
     vdna_decoder_close(decoder);
     vdna_decoder_close(NULL);
+    assert_true(vdna_pixels_mean_grey(NULL) == 0.0f);
 }
 
 static void the_bound_of_memory_grows_by_nine_bytes_a_pixel(void **state)

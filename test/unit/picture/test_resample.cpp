@@ -1,9 +1,9 @@
 // Resizing: by hand where pictures are small, beside OpenCV where they are not.
 #include <cmocka.hpp>
+#include <counted_new.hpp>
 
 #include <algorithm>
 #include <cstdlib>
-#include <new>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -11,27 +11,6 @@
 #include "picture/resample.hpp"
 
 using namespace vdna::picture;
-
-// Every allocation of this program through new is counted.
-static size_t allocations;
-
-void *operator new(size_t size)
-{
-    allocations++;
-    if (void *const block = std::malloc(size ? size : 1))
-        return block;
-    throw std::bad_alloc();
-}
-
-void operator delete(void *block) noexcept
-{
-    std::free(block);
-}
-
-void operator delete(void *block, size_t) noexcept
-{
-    std::free(block);
-}
 
 static uint32_t random_state = 1;
 

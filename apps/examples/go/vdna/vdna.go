@@ -145,3 +145,107 @@ func Rank(live *Histogram, candidates []*Histogram) ([]RankEntry, error) {
 	}
 	return ranking, nil
 }
+
+// Candidate is what the selector needs of a recorded drive.
+type Candidate struct {
+	Histogram  *Histogram  // of all its frames
+	Embeddings [][]float32 // one for each frame, all of one length
+}
+
+// Selector warms up on the first live frames, chooses the most similar candidate, then finds every
+// frame in it. Its memory is given back by Close, which comes before that of the histograms.
+type Selector struct {
+	choice  *C.vdna_select // within memory
+	memory  unsafe.Pointer
+	kept    []unsafe.Pointer // candidates and their embeddings, in C memory
+	dim     int
+	neurons int
+}
+
+// NewSelector makes a selector among at least one candidate; embeddings are copied.
+func NewSelector(candidates []Candidate, warmupFrames int) (*Selector, error) {
+	count := len(candidates)
+	array := C.malloc(C.size_t(count) * C.sizeof_vdna_select_candidate)
+	s := &Selector{
+		kept:    []unsafe.Pointer{array},
+		dim:     len(candidates[0].Embeddings[0]),
+		neurons: int(candidates[0].Histogram.hist.neurons),
+	}
+	structs := unsafe.Slice((*C.vdna_select_candidate)(array), count)
+	for i, candidate := range candidates {
+		frames := len(candidate.Embeddings)
+		copied := C.malloc(C.size_t(frames * s.dim * 4))
+		s.kept = append(s.kept, copied)
+		for f, embedding := range candidate.Embeddings {
+			copy(unsafe.Slice((*float32)(copied), frames*s.dim)[f*s.dim:], embedding)
+		}
+		structs[i] = C.vdna_select_candidate{
+			dna:        candidate.Histogram.view(),
+			embeddings: (*C.float)(copied),
+			frames:     C.uint32_t(frames),
+		}
+	}
+
+	var config C.vdna_select_config
+	C.vdna_select_config_init(&config)
+	config.candidates = (*C.vdna_select_candidate)(array)
+	config.candidate_count = C.uint32_t(count)
+	config.dim = C.uint32_t(s.dim)
+	config.warmup_frames = C.uint32_t(warmupFrames)
+	size := C.vdna_select_mem_size(&config)
+	s.memory = C.malloc(size + 1)
+	if err := check(C.vdna_select_init(&config, s.memory, size, &s.choice)); err != nil {
+		s.Close()
+		return nil, err
+	}
+	return s, nil
+}
+
+// Close gives the memory back; the selector cannot be used any more.
+func (s *Selector) Close() {
+	C.free(s.memory)
+	for _, kept := range s.kept {
+		C.free(kept)
+	}
+	*s = Selector{}
+}
+
+// Feed takes one live frame, [samples][neurons]. It returns the nearest frame of the chosen
+// candidate, or -1 during the warmup.
+func (s *Selector) Feed(utime int64, values, embedding []float32) (int, error) {
+	if len(embedding) != s.dim {
+		return -1, fmt.Errorf("an embedding of %d numbers, expected %d", len(embedding), s.dim)
+	}
+	var pin runtime.Pinner
+	defer pin.Unpin()
+	pin.Pin(&embedding[0])
+	var answer C.vdna_select_answer
+	err := withTap(values, s.neurons, func(tap *C.vdna_activations) C.vdna_status {
+		pin.Pin(tap)
+		frame := C.vdna_select_frame{
+			utime:     C.int64_t(utime),
+			taps:      tap,
+			tap_count: 1,
+			embedding: (*C.float)(&embedding[0]),
+		}
+		return C.vdna_select_feed(s.choice, &frame, &answer)
+	})
+	if err != nil || answer.localised == 0 {
+		return -1, err
+	}
+	return int(answer.match.index), nil
+}
+
+// Chosen is the index of the chosen candidate, or -1 during the warmup.
+func (s *Selector) Chosen() int {
+	if C.vdna_select_state(s.choice) != C.VDNA_SELECT_SELECTED {
+		return -1
+	}
+	return int(C.vdna_select_chosen(s.choice))
+}
+
+// MarginBins is how much nearer the first choice is than the second.
+func (s *Selector) MarginBins() float64 { return float64(C.vdna_select_margin_bins(s.choice)) }
+
+// WindowFrames is the number of frames in the warmup window.
+func (s *Selector) WindowFrames() int { return int(C.vdna_select_window_frames(s.choice)) }

@@ -1,14 +1,16 @@
-//! rank: which of three drives looks most like now? As ../rank.c, and it prints the same bytes.
+//! rank: which of three drives looks most like now, and where in it are we? As ../rank.c, and it
+//! prints the same bytes.
 //!
 //!     cargo run    # libvdna not installed: with RUSTFLAGS=-L..., LD_LIBRARY_PATH
 
 mod vdna;
 
-use vdna::{rank, Error, Histogram, Ranges};
+use vdna::{rank, Candidate, Error, Histogram, Ranges, Selector};
 
 const NEURONS: usize = 8;
 const SAMPLES: usize = 4;
 const FRAMES: usize = 50;
+const WARMUP: u32 = 40;
 const BINS: u32 = 1000;
 
 /// A made-up drive: its activations lie in shift..shift + 1.
@@ -62,6 +64,44 @@ fn count(drive: &Drive, range: &[f32]) -> Result<Histogram, Error> {
     Ok(histogram)
 }
 
+/// The embedding of a frame: here just its first sample.
+fn embedding(values: &[f32]) -> &[f32] {
+    &values[..NEURONS]
+}
+
+/// Warm up on the first frames, choose, and find the last frame in the chosen drive.
+fn choose(histograms: &[Histogram]) -> Result<(), Error> {
+    let mut embeddings: Vec<Vec<f32>> = Vec::new();
+    for drive in &CANDIDATES {
+        let frames = drive.frames().map(|values| embedding(&values).to_vec());
+        embeddings.push(frames.flatten().collect());
+    }
+    let experiences: Vec<Candidate> = histograms
+        .iter()
+        .zip(&embeddings)
+        .map(|(histogram, embeddings)| Candidate {
+            histogram,
+            embeddings,
+        })
+        .collect();
+    let mut selector = Selector::new(&experiences, NEURONS, WARMUP)?;
+    let mut nearest = None;
+    for (utime, values) in NOW.frames().enumerate() {
+        nearest = selector.feed(utime as i64, &values, embedding(&values))?;
+    }
+    let chosen = selector.chosen().expect("a choice after the warmup");
+    let frame = nearest.expect("a place after the warmup");
+    let name = CANDIDATES[chosen].name;
+    println!(
+        "live: {} after {} frames, by {:.17} bins",
+        name,
+        selector.window_frames(),
+        selector.margin_bins()
+    );
+    println!("now is nearest to frame {frame} of {name}");
+    Ok(())
+}
+
 fn main() -> Result<(), Error> {
     // Ranges come from the map alone; the live drive never changes them.
     let mut ranges = Ranges::new(NEURONS as u32)?;
@@ -72,7 +112,8 @@ fn main() -> Result<(), Error> {
 
     let live = count(&NOW, &range)?;
     let candidates: Result<Vec<_>, _> = CANDIDATES.iter().map(|d| count(d, &range)).collect();
-    for (place, entry) in rank(&live, &candidates?)?.iter().enumerate() {
+    let candidates = candidates?;
+    for (place, entry) in rank(&live, &candidates)?.iter().enumerate() {
         let name = CANDIDATES[entry.candidate as usize].name;
         println!(
             "{}. {} is {:.17} bins away",
@@ -81,5 +122,5 @@ fn main() -> Result<(), Error> {
             entry.distance_bins
         );
     }
-    Ok(())
+    choose(&candidates)
 }

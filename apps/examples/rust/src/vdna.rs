@@ -3,7 +3,9 @@
 
 use std::ffi::CStr;
 use std::fmt;
+use std::marker::PhantomData;
 use std::mem::MaybeUninit;
+use std::ptr;
 
 /// The C side, as in the headers.
 mod c {
@@ -37,12 +39,61 @@ mod c {
     }
 
     #[repr(C)]
+    #[derive(Clone, Copy)]
     pub struct HistView {
         pub range: *const f32,
         pub counts: *const u32,
         pub mass: *const u32,
         pub neurons: u32,
         pub bins: u32,
+    }
+
+    #[repr(C)]
+    pub struct SelectCandidate {
+        pub dna: HistView,
+        pub embeddings: *const f32,
+        pub frames: u32,
+        pub reserved: u32,
+    }
+
+    #[repr(C)]
+    pub struct SelectConfig {
+        pub struct_size: u32,
+        pub candidate_count: u32,
+        pub candidates: *const SelectCandidate,
+        pub dim: u32,
+        pub warmup_frames: u32,
+        pub warmup_us: i64,
+    }
+
+    #[repr(C)]
+    pub struct SelectFrame {
+        pub utime: i64,
+        pub taps: *const Activations,
+        pub tap_count: usize,
+        pub embedding: *const f32,
+    }
+
+    #[repr(C)]
+    pub struct KnnMatch {
+        pub distance_sq: f64,
+        pub index: u32,
+        pub reserved: u32,
+    }
+
+    #[repr(C)]
+    pub struct SelectAnswer {
+        pub state: u32,
+        pub newly_ranked: u32,
+        pub restarted: u32,
+        pub localised: u32,
+        pub nearest: KnnMatch,
+    }
+
+    /// Private to the library; only pointers to it exist.
+    #[repr(C)]
+    pub struct Select {
+        _private: [u8; 0],
     }
 
     #[link(name = "vdna")]
@@ -75,6 +126,23 @@ mod c {
             scratch_size: usize,
             out_ranking: *mut super::RankEntry,
         ) -> i32;
+        pub fn vdna_select_config_init(config: *mut SelectConfig);
+        pub fn vdna_select_mem_size(config: *const SelectConfig) -> usize;
+        pub fn vdna_select_init(
+            config: *const SelectConfig,
+            mem: *mut c_void,
+            mem_size: usize,
+            out_select: *mut *mut Select,
+        ) -> i32;
+        pub fn vdna_select_feed(
+            select: *mut Select,
+            frame: *const SelectFrame,
+            out_answer: *mut SelectAnswer,
+        ) -> i32;
+        pub fn vdna_select_state(select: *const Select) -> u32;
+        pub fn vdna_select_chosen(select: *const Select) -> u32;
+        pub fn vdna_select_margin_bins(select: *const Select) -> f64;
+        pub fn vdna_select_window_frames(select: *const Select) -> u32;
     }
 }
 
@@ -219,4 +287,118 @@ pub fn rank(live: &Histogram, candidates: &[Histogram]) -> Result<Vec<RankEntry>
     let (scratch, out) = (scratch.as_mut_ptr().cast(), ranking.as_mut_ptr());
     check(unsafe { c::vdna_rank(&live, views.as_ptr(), count, scratch, size, out) })?;
     Ok(ranking)
+}
+
+/// What the selector needs of a recorded drive.
+pub struct Candidate<'a> {
+    /// Of all its frames.
+    pub histogram: &'a Histogram,
+    /// [frames][dim]
+    pub embeddings: &'a [f32],
+}
+
+/// Warms up on the first live frames, chooses the most similar candidate, then finds every frame in
+/// it. It may be moved: the library's object is in memory of its own.
+pub struct Selector<'a> {
+    select: *mut c::Select, // within `_memory`
+    dim: usize,
+    neurons: u32,
+    _memory: Box<[i64]>,
+    _candidates: Box<[c::SelectCandidate]>,
+    _borrowed: PhantomData<&'a Histogram>,
+}
+
+impl<'a> Selector<'a> {
+    /// At least one candidate, all with embeddings of `dim` numbers.
+    pub fn new(candidates: &[Candidate<'a>], dim: usize, warmup: u32) -> Result<Self, Error> {
+        let kept: Box<[_]> = candidates
+            .iter()
+            .map(|candidate| {
+                assert_eq!(candidate.embeddings.len() % dim, 0, "whole embeddings");
+                c::SelectCandidate {
+                    dna: candidate.histogram.view(),
+                    embeddings: candidate.embeddings.as_ptr(),
+                    frames: (candidate.embeddings.len() / dim) as u32,
+                    reserved: 0,
+                }
+            })
+            .collect();
+        // Sound: the library fills `config` before it is read, the block is as large as it is told,
+        // and what it borrows is borrowed here as long.
+        unsafe {
+            let mut config = MaybeUninit::uninit();
+            c::vdna_select_config_init(config.as_mut_ptr());
+            let mut config = config.assume_init();
+            config.candidates = kept.as_ptr();
+            config.candidate_count = kept.len() as u32;
+            config.dim = dim as u32;
+            config.warmup_frames = warmup;
+            let size = c::vdna_select_mem_size(&config);
+            let mut memory = vec![0i64; size.div_ceil(8)].into_boxed_slice();
+            let mut select = ptr::null_mut();
+            check(c::vdna_select_init(
+                &config,
+                memory.as_mut_ptr().cast(),
+                size,
+                &mut select,
+            ))?;
+            Ok(Selector {
+                select,
+                dim,
+                neurons: kept[0].dna.neurons,
+                _memory: memory,
+                _candidates: kept,
+                _borrowed: PhantomData,
+            })
+        }
+    }
+
+    /// Take one live frame, [samples][neurons]. Returns the nearest frame of the chosen candidate,
+    /// or None during the warmup.
+    pub fn feed(
+        &mut self,
+        utime: i64,
+        values: &[f32],
+        embedding: &[f32],
+    ) -> Result<Option<u32>, Error> {
+        assert_eq!(embedding.len(), self.dim, "an embedding of another size");
+        let tap = tap_of(values, self.neurons);
+        let frame = c::SelectFrame {
+            utime,
+            taps: &tap,
+            tap_count: 1,
+            embedding: embedding.as_ptr(),
+        };
+        let mut answer = MaybeUninit::uninit();
+        let answer = unsafe {
+            check(c::vdna_select_feed(
+                self.select,
+                &frame,
+                answer.as_mut_ptr(),
+            ))?;
+            answer.assume_init()
+        };
+        Ok((answer.localised != 0).then_some(answer.nearest.index))
+    }
+
+    /// Index of the chosen candidate; None during the warmup.
+    pub fn chosen(&self) -> Option<usize> {
+        let (state, chosen) = unsafe {
+            (
+                c::vdna_select_state(self.select),
+                c::vdna_select_chosen(self.select),
+            )
+        };
+        (state == 1).then_some(chosen as usize)
+    }
+
+    /// How much nearer the first choice is than the second, in bins.
+    pub fn margin_bins(&self) -> f64 {
+        unsafe { c::vdna_select_margin_bins(self.select) }
+    }
+
+    /// Frames in the warmup window.
+    pub fn window_frames(&self) -> u32 {
+        unsafe { c::vdna_select_window_frames(self.select) }
+    }
 }

@@ -41,6 +41,14 @@ class Histogram
 
     const vdna_hist *operator->() const { return &hist_; }
 
+    /** Borrowed from this histogram. */
+    vdna_hist_view view() const
+    {
+        vdna_hist_view view{};
+        vdna_hist_view_of(&hist_, &view);
+        return view;
+    }
+
     /** Share of all samples that lay beyond their range, 0..1. */
     double saturated_share() const
     {

@@ -21,6 +21,9 @@ struct Warmup {
     int64_t us;      /**< the first so many microseconds of camera time */
 };
 
+/** Limits of a warmup by time, for those that people ask for. */
+constexpr double warmup_seconds_min = 0.001, warmup_seconds_max = 1e6;
+
 class Selector
 {
   public:
@@ -63,7 +66,7 @@ class Selector
 
   private:
     std::vector<vdna_select_candidate> candidates_;
-    std::vector<int64_t> memory_; // int64_t for its alignment
+    std::vector<int64_t> memory_;   // int64_t for its alignment
     vdna_select *select_ = nullptr; // in memory_
 };
 

@@ -1,7 +1,8 @@
 """Which recorded experience should a robot localise against now?
 
 The C library libvdna for NumPy: activation histograms ("Visual DNA"), the exact Earth Mover's
-Distance, ranking, nearest neighbours, the selector, and experience files.
+Distance, ranking, nearest neighbours, the selector, experience files, and what makes two of them
+comparable.
 
 Memory. Arrays go in without a copy when they have the stated dtype and are C-contiguous, and are
 converted otherwise. Arrays that come out are read-only views of the library's memory, which stays
@@ -22,6 +23,7 @@ from .activations import FeatureMap
 from .distance import RankEntry, emd, emd_mean, rank
 from .experience import Experience, open_map
 from .histogram import Histogram, HistogramView
+from .identity import Identity, TapShape, clean_name, format_taps, parse_taps
 from .neighbours import Neighbours, nearest
 from .ranges import Ranges
 from .reference import ReferenceVdna
@@ -36,6 +38,7 @@ __all__ = [
     "FeatureMap",
     "Histogram",
     "HistogramView",
+    "Identity",
     "Match",
     "Neighbours",
     "RankEntry",
@@ -43,10 +46,14 @@ __all__ = [
     "ReferenceVdna",
     "Selector",
     "Status",
+    "TapShape",
     "VdnaError",
+    "clean_name",
     "emd",
     "emd_mean",
+    "format_taps",
     "nearest",
     "open_map",
+    "parse_taps",
     "rank",
 ]

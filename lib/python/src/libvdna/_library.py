@@ -146,6 +146,15 @@ class IdentityFields(Structure):
     ]
 
 
+class TapFields(Structure):
+    _fields_ = [
+        ("name", c_void_p),
+        ("name_length", c_size_t),
+        ("neurons", c_uint32),
+        ("samples", c_uint32),
+    ]
+
+
 class ExperienceFile(Structure):
     _fields_ = [
         ("name", c_char * 64),
@@ -204,6 +213,15 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_knn": (address, c_uint32, address, c_uint32, c_uint32, address),
         "vdna_select_init": (POINTER(SelectConfig), address, size, POINTER(c_void_p)),
         "vdna_select_feed": (address, POINTER(SelectFrame), POINTER(SelectAnswer)),
+        "vdna_identity_check": (POINTER(IdentityFields), POINTER(Error)),
+        "vdna_identity_compare": (
+            POINTER(IdentityFields),
+            POINTER(IdentityFields),
+            POINTER(Error),
+        ),
+        "vdna_identity_text": (POINTER(IdentityFields), address),
+        "vdna_identity_hash": (POINTER(IdentityFields), address),
+        "vdna_taps_append": (address, size, POINTER(TapFields)),
         "vdna_experience_open": (path, POINTER(Error), POINTER(ExperienceFile)),
         "vdna_experience_write": (POINTER(ExperienceFile), path, POINTER(Error)),
         "vdna_experience_compare": (
@@ -243,6 +261,10 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_select_accepted": (c_uint64, (address,)),
         "vdna_select_rejected": (c_uint64, (address,)),
         "vdna_select_restarts": (c_uint64, (address,)),
+        "vdna_identity_precision": (c_char_p, (POINTER(IdentityFields),)),
+        # Its refusals are the end of a list.
+        "vdna_taps_next": (c_int32, (POINTER(c_void_p), POINTER(TapFields))),
+        "vdna_name_replace": (None, (address,)),
         "vdna_experience_close": (None, (POINTER(ExperienceFile),)),
         "vdna_experience_view": (None, (POINTER(ExperienceFile), POINTER(HistView))),
     }

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import UINT32_MAX, floats, integer, integers, shaped, view
-from ._library import Error, ExperienceFile, HistView, IdentityFields, lib
+from ._library import Error, ExperienceFile, HistView, lib
 from .histogram import HistogramView, view_of
+from .identity import NAME_SIZE, Identity, identity_fields, text_field
 
 Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
 
@@ -21,13 +22,6 @@ def _path(path: Path) -> bytes:
     if b"\0" in name:
         raise ValueError("a path holds a NUL byte")
     return name
-
-
-def _text(value: str, what: str, capacity: int) -> bytes:
-    text = str.encode(value)
-    if b"\0" in text or len(text) >= capacity:
-        raise ValueError(f"{what} is {value!r}, expected at most {capacity - 1} bytes without NUL")
-    return text
 
 
 class _Mapping:
@@ -104,13 +98,13 @@ class Experience:
         dna = view_of(histogram)
         self._owner = None
         self._file = ExperienceFile(
-            name=_text(name, "name", 64),
-            identity=IdentityFields(
-                backbone=_text(backbone, "backbone", 64),
-                model_sha256=_text(model_sha256, "model_sha256", 65),
-                preprocessing=_text(preprocessing, "preprocessing", 512),
-                precision=_text(precision, "precision", 16),
-                taps=_text(taps, "taps", 2048),
+            name=text_field(name, "name", NAME_SIZE),
+            identity=identity_fields(
+                backbone=backbone,
+                model_sha256=model_sha256,
+                preprocessing=preprocessing,
+                precision=precision,
+                taps=taps,
                 neurons=dna.neurons,
                 dim=integer(dim, "dim", 0, UINT32_MAX),
                 bins=dna.bins,
@@ -179,29 +173,34 @@ class Experience:
         return str(self._file.name.decode())
 
     @property
+    def identity(self) -> Identity:
+        """What it compares with."""
+        return Identity._over(self, self._file.identity)
+
+    @property
     def backbone(self) -> str:
         """Name of the network."""
-        return str(self._file.identity.backbone.decode())
+        return self.identity.backbone
 
     @property
     def model_sha256(self) -> str:
         """SHA-256 of the ONNX file."""
-        return str(self._file.identity.model_sha256.decode())
+        return self.identity.model_sha256
 
     @property
     def preprocessing(self) -> str:
         """Everything that shaped the network's input."""
-        return str(self._file.identity.preprocessing.decode())
+        return self.identity.preprocessing
 
     @property
     def precision(self) -> str:
         """Of the network's arithmetic: "fp32", "int8"."""
-        return self._file.identity.precision.decode() or "fp32"
+        return self.identity.precision
 
     @property
     def taps(self) -> str:
-        """NAME:NEURONS:SAMPLES[,...] in the order of the histogram's neurons."""
-        return str(self._file.identity.taps.decode())
+        """NAME:NEURONS:SAMPLES[,...] in the order of the histogram's neurons; see parse_taps()."""
+        return self.identity.taps
 
     @property
     def comparable(self) -> Optional[str]:

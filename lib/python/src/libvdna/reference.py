@@ -28,6 +28,7 @@ from ._arrays import shaped
 from ._library import VdnaError, version
 from .experience import Experience
 from .histogram import HistogramView
+from .identity import parse_taps
 
 _RANGE_KEY = "libvdna_range"
 _INT32_MAX = 2**31 - 1
@@ -104,9 +105,8 @@ class ReferenceVdna:
     @classmethod
     def from_experience(cls, experience: Experience) -> ReferenceVdna:
         """The Visual DNA of an experience; its taps become layers, its backbone the extractor."""
-        taps = [tap.rsplit(":", 2) for tap in experience.taps.split(",")]
         return cls(
-            layers={name: int(neurons) for name, neurons, samples in taps},
+            layers={tap.name: tap.neurons for tap in parse_taps(experience.taps)},
             histogram=experience.histogram,
             num_images=experience.frames,
             feature_extractor_name=experience.backbone,

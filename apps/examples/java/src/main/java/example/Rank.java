@@ -1,20 +1,27 @@
 package example;
 
+import example.Vdna.Candidate;
 import example.Vdna.Histogram;
 import example.Vdna.Ranges;
 import example.Vdna.RankEntry;
+import example.Vdna.Selector;
 import java.math.BigDecimal;
 import java.math.RoundingMode;
+import java.nio.FloatBuffer;
+import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.List;
+import java.util.OptionalInt;
 import java.util.function.Consumer;
 
 /**
- * rank: which of three drives looks most like now? As rank.c, and it prints the same bytes.
+ * rank: which of three drives looks most like now, and where in it are we? As rank.c, and it prints
+ * the same bytes.
  *
  * <p>mvn compile exec:java, with -Djna.library.path=DIR if libvdna is not installed.
  */
 public final class Rank {
-    private static final int NEURONS = 8, SAMPLES = 4, FRAMES = 50, BINS = 1000;
+    private static final int NEURONS = 8, SAMPLES = 4, FRAMES = 50, WARMUP = 40, BINS = 1000;
 
     /** A made-up drive: its activations lie in shift..shift + 1. */
     private record Drive(String name, int seed, float shift) {
@@ -45,6 +52,39 @@ public final class Rank {
         return histogram;
     }
 
+    /** The embedding of a frame: here just its first sample. */
+    private static float[] embedding(float[] values) {
+        return Arrays.copyOf(values, NEURONS);
+    }
+
+    private static float[] embeddings(Drive drive) {
+        FloatBuffer all = FloatBuffer.allocate(FRAMES * NEURONS);
+        drive.eachFrame(values -> all.put(embedding(values)));
+        return all.array();
+    }
+
+    /** Not "%.17f", which stops at the shortest digits that tell a double apart. */
+    private static BigDecimal digits(double bins) {
+        return new BigDecimal(bins).setScale(17, RoundingMode.HALF_EVEN);
+    }
+
+    /** Warm up on the first frames, choose, and find the last frame in the chosen drive. */
+    private static void choose(List<Histogram> histograms) {
+        List<Candidate> experiences = new ArrayList<>();
+        for (int i = 0; i < histograms.size(); i++) {
+            experiences.add(new Candidate(histograms.get(i), embeddings(CANDIDATES.get(i))));
+        }
+        Selector selector = new Selector(experiences, NEURONS, WARMUP);
+        List<OptionalInt> nearest = new ArrayList<>();
+        NOW.eachFrame(
+            values -> nearest.add(selector.feed(nearest.size(), values, embedding(values))));
+        String name = CANDIDATES.get(selector.chosen().getAsInt()).name();
+        System.out.printf("live: %s after %d frames, by %s bins%n", name, selector.windowFrames(),
+            digits(selector.marginBins()));
+        System.out.printf("now is nearest to frame %d of %s%n",
+            nearest.get(FRAMES - 1).getAsInt(), name);
+    }
+
     public static void main(String[] arguments) {
         // Ranges come from the map alone; the live drive never changes them.
         Ranges ranges = new Ranges(NEURONS);
@@ -55,11 +95,10 @@ public final class Rank {
             CANDIDATES.stream().map(drive -> count(drive, range)).toList();
         int place = 1;
         for (RankEntry entry : Vdna.rank(count(NOW, range), candidates)) {
-            // Not "%.17f", which stops at the shortest digits that tell a double apart.
-            BigDecimal distance =
-                new BigDecimal(entry.distanceBins()).setScale(17, RoundingMode.HALF_EVEN);
             String name = CANDIDATES.get(entry.candidate()).name();
-            System.out.printf("%d. %s is %s bins away%n", place++, name, distance);
+            System.out.printf(
+                "%d. %s is %s bins away%n", place++, name, digits(entry.distanceBins()));
         }
+        choose(candidates);
     }
 }

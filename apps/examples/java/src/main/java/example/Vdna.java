@@ -7,9 +7,11 @@ import com.sun.jna.Native;
 import com.sun.jna.Pointer;
 import com.sun.jna.Structure;
 import com.sun.jna.Structure.FieldOrder;
+import com.sun.jna.ptr.PointerByReference;
 import java.lang.ref.Reference;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.OptionalInt;
 
 /**
  * libvdna for Java, as far as Rank needs it; other functions are declared the same way, from
@@ -46,6 +48,23 @@ public final class Vdna {
 
         int vdna_rank(CHistView live, CHistView candidates, int count, Pointer scratch, SizeT size,
                       CRankEntry outRanking);
+
+        void vdna_select_config_init(CSelectConfig config);
+
+        SizeT vdna_select_mem_size(CSelectConfig config);
+
+        int vdna_select_init(CSelectConfig config, Pointer mem, SizeT size,
+                             PointerByReference outSelect);
+
+        int vdna_select_feed(Pointer select, CSelectFrame frame, CSelectAnswer outAnswer);
+
+        int vdna_select_state(Pointer select);
+
+        int vdna_select_chosen(Pointer select);
+
+        double vdna_select_margin_bins(Pointer select);
+
+        int vdna_select_window_frames(Pointer select);
     }
 
     public static final class SizeT extends IntegerType {
@@ -86,6 +105,36 @@ public final class Vdna {
     public static final class CRankEntry extends Structure {
         public double distanceBins;
         public int candidate, tied;
+    }
+
+    @FieldOrder({"dna", "embeddings", "frames", "reserved"})
+    public static final class CSelectCandidate extends Structure {
+        public CHistView dna;
+        public Pointer embeddings;
+        public int frames, reserved;
+    }
+
+    @FieldOrder({"structSize", "candidateCount", "candidates", "dim", "warmupFrames", "warmupUs"})
+    public static final class CSelectConfig extends Structure {
+        public int structSize, candidateCount;
+        public Pointer candidates;
+        public int dim, warmupFrames;
+        public long warmupUs;
+    }
+
+    @FieldOrder({"utime", "taps", "tapCount", "embedding"})
+    public static final class CSelectFrame extends Structure {
+        public long utime;
+        public Pointer taps;
+        public SizeT tapCount;
+        public Pointer embedding;
+    }
+
+    @FieldOrder({"state", "newlyRanked", "restarted", "localised", "distanceSq", "index", "reserved"})
+    public static final class CSelectAnswer extends Structure {
+        public int state, newlyRanked, restarted, localised;
+        public double distanceSq;
+        public int index, reserved;
     }
 
     /** What the library refused; {@code status} is a VDNA_ERR_ code. */
@@ -195,6 +244,94 @@ public final class Vdna {
             ranking.add(new RankEntry(place.distanceBins, place.candidate, place.tied != 0));
         }
         return ranking;
+    }
+
+    /** What the selector needs of a recorded drive: its histogram, and [frames][dim] embeddings. */
+    public record Candidate(Histogram histogram, float[] embeddings) {}
+
+    /**
+     * Warms up on the first live frames, chooses the most similar candidate, then finds every frame
+     * in it.
+     */
+    public static final class Selector {
+        private final Pointer select; // within memory
+        private final Memory memory;
+        private final List<Object> borrowed = new ArrayList<>();
+        private final int dim;
+        private final int neurons;
+
+        /** At least one candidate; embeddings are copied. */
+        public Selector(List<Candidate> candidates, int dim, int warmupFrames) {
+            CSelectCandidate[] structs =
+                (CSelectCandidate[]) new CSelectCandidate().toArray(candidates.size());
+            for (int i = 0; i < structs.length; i++) {
+                Candidate candidate = candidates.get(i);
+                Memory embeddings = copyOf(candidate.embeddings());
+                LIBRARY.vdna_hist_view_of(candidate.histogram().hist, structs[i].dna);
+                structs[i].embeddings = embeddings;
+                structs[i].frames = candidate.embeddings().length / dim;
+                structs[i].write();
+                borrowed.addAll(List.of(structs[i], candidate.histogram(), embeddings));
+            }
+            CSelectConfig config = new CSelectConfig();
+            LIBRARY.vdna_select_config_init(config);
+            config.candidates = structs[0].getPointer();
+            config.candidateCount = structs.length;
+            config.dim = dim;
+            config.warmupFrames = warmupFrames;
+            SizeT size = LIBRARY.vdna_select_mem_size(config);
+            this.memory = new Memory(Math.max(1, size.longValue()));
+            PointerByReference made = new PointerByReference();
+            check(LIBRARY.vdna_select_init(config, memory, size, made));
+            this.select = made.getValue();
+            this.dim = dim;
+            this.neurons = structs[0].dna.neurons;
+        }
+
+        /**
+         * Take one live frame, [samples][neurons]; give the nearest frame of the chosen candidate, or
+         * nothing during the warmup.
+         */
+        public OptionalInt feed(long utime, float[] values, float[] embedding) {
+            if (embedding.length != dim) {
+                throw new IllegalArgumentException("an embedding of " + embedding.length + " numbers");
+            }
+            CActivations tap = tapOf(values, neurons);
+            tap.write();
+            Memory copied = copyOf(embedding);
+            CSelectFrame frame = new CSelectFrame();
+            frame.utime = utime;
+            frame.taps = tap.getPointer();
+            frame.tapCount = new SizeT(1);
+            frame.embedding = copied;
+            CSelectAnswer answer = new CSelectAnswer();
+            check(LIBRARY.vdna_select_feed(select, frame, answer));
+            Reference.reachabilityFence(tap);
+            Reference.reachabilityFence(this);
+            return answer.localised != 0 ? OptionalInt.of(answer.index) : OptionalInt.empty();
+        }
+
+        /** Index of the chosen candidate, or nothing during the warmup. */
+        public OptionalInt chosen() {
+            boolean selected = LIBRARY.vdna_select_state(select) == 1;
+            int chosen = LIBRARY.vdna_select_chosen(select);
+            Reference.reachabilityFence(this);
+            return selected ? OptionalInt.of(chosen) : OptionalInt.empty();
+        }
+
+        /** How much nearer the first choice is than the second, in bins. */
+        public double marginBins() {
+            double margin = LIBRARY.vdna_select_margin_bins(select);
+            Reference.reachabilityFence(this);
+            return margin;
+        }
+
+        /** Frames in the warmup window. */
+        public int windowFrames() {
+            int frames = LIBRARY.vdna_select_window_frames(select);
+            Reference.reachabilityFence(this);
+            return frames;
+        }
     }
 
     private Vdna() {}

@@ -1,0 +1,40 @@
+// The methods that rank references: one table of what each is called and how it measures.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "eval/evaluation.hpp"
+
+namespace vdna::eval
+{
+
+// A query's warmup and one reference, for a method to compare.
+struct Comparison {
+    const record::Recording &live;
+    uint32_t begin, frames; // of the warmup, in `live`
+    const record::Recording &map;
+    uint32_t dim;         // of the embeddings
+    double distance_bins; // of the Visual DNAs
+};
+
+struct Method {
+    const char *key;   // in JSON, CSV and names of files
+    const char *title; // for people
+    const char *unit;  // of the distance
+    // NULL: no distance, whose metrics are exact expectations over all rankings. Throws Error.
+    double (*distance)(const Comparison &comparison);
+};
+
+// Ours first, chance last.
+extern const std::vector<Method> methods;
+
+// Visual DNA of one tap is a method too: "vdna:TAP", measured as the whole is.
+std::string key_of_tap(const std::string &tap);
+bool is_of_tap(const std::string &key);
+
+// The method of this key; what neither the table nor a tap has gets its key as title, and no unit.
+std::string title_of(const std::string &key);
+std::string unit_of(const std::string &key);
+
+} // namespace vdna::eval
