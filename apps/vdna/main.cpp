@@ -13,18 +13,9 @@ namespace
 
 void add_commands(CLI::App &app)
 {
-    vdna::tool::add_build(app);
-    vdna::tool::add_calibrate(app);
-    vdna::tool::add_info(app);
-    vdna::tool::add_rank(app);
-    vdna::tool::add_localise(app);
-    vdna::tool::add_play(app);
-    vdna::tool::add_watch(app);
-    vdna::tool::add_command(app);
-    vdna::tool::add_simulate(app);
-    vdna::tool::add_eval(app);
-    vdna::tool::add_metrics(app);
-    vdna::tool::add_model(app);
+#define VDNA_ADD_COMMAND(name) vdna::tool::add_##name(app);
+    VDNA_COMMANDS(VDNA_ADD_COMMAND)
+#undef VDNA_ADD_COMMAND
 }
 
 int fail(const std::string &sentence, int code)

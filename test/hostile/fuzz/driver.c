@@ -15,7 +15,7 @@
 #define INPUTS 20000u
 
 /* Most seeds that a target may have. */
-#define SEEDS 16u
+#define SEEDS 64u
 
 typedef struct input {
     uint8_t bytes[FUZZ_SIZE];
