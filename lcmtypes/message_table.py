@@ -19,7 +19,7 @@ TOKEN = re.compile(r"\s+|//.*|(?P<token>[A-Za-z_]\w*|\d+|[{}\[\];=])")
 
 
 class Refusal(Exception):
-    """What the files say and the tables cannot."""
+    """A statement of the files that the tables cannot express."""
 
     def __init__(self, path, line, sentence):
         super().__init__(f"{path}:{line}: {sentence}")
@@ -29,8 +29,8 @@ class Member:
     def __init__(self, name, kind, struct):
         self.name, self.kind, self.struct = name, kind, struct
         self.lcm_type = ""       # as in the file, if it is not a struct
-        self.length = 1          # 0: `count` tells
-        self.count = None        # index of the member that tells the length
+        self.length = 1          # 0: see `count`
+        self.count = None        # index of the member with the length
         self.dimension = None    # as in the file
 
 
@@ -79,7 +79,7 @@ class Parser:
         return token
 
     def skip(self, token):
-        """Pass over this token, if it is the next one."""
+        """Skip this token, if it is the next one."""
         is_next = self.tokens[self.at][0] == token
         if is_next:
             self.next()
@@ -114,7 +114,7 @@ class Parser:
                         "add one or remove it")
 
     def read_constant(self):
-        """Constants are no part of a message."""
+        """Skip constants, which are no part of a message."""
         self.expect("int32_t", "int32_t, the type of our constants")
         self.name("the name of a constant")
         self.expect("=", "'='")
@@ -154,13 +154,13 @@ class Parser:
 
 
 def signed(value):
-    """The low 64 bits, as LCM's hash has them."""
+    """The low 64 bits, as in LCM's hash."""
     return (value + (1 << 63)) % (1 << 64) - (1 << 63)
 
 
 def fingerprint(struct):
-    """By LCM's rule: names, primitive types and dimensions of the members, and those of the
-    structs in them."""
+    """LCM's hash of the names, primitive types and dimensions of the members and of the structs in
+    them."""
     value = 0x12345678
 
     def add(*numbers):
@@ -196,7 +196,7 @@ def pinned(fingerprints):
 
 
 def read_file(fingerprints, line, full_name, path, pin):
-    """The structs of the file of a message, whose fingerprint must be the one that is pinned."""
+    """The structs in the file of a message; its fingerprint must be the pinned one."""
     if not path.exists():
         raise Refusal(fingerprints, line, f"{full_name} is expected in {path.name}, which is not "
                       "there; write it, or remove the line")

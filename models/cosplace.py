@@ -3,7 +3,7 @@
 The ResNet ends with layer4. Its channels are L2-normalised at each pixel, pooled by a generalised
 mean whose power is learned, brought to the width of the descriptor, and L2-normalised again. In the
 checkpoint the ResNet is a sequence, so its parts have numbers: 0 and 1 are the stem, 4 to 7 are
-layer1 to layer4. Depth, widths and the kind of block follow from which tensors there are.
+layer1 to layer4. Depth, widths and the kind of block follow from the tensors present.
 
 Input:  "image"           float32 [N,3,height,width], ImageNet mean and deviation
 Output: "embedding"       float32 [N,width of the descriptor], of length 1
@@ -33,7 +33,7 @@ class ResNetGraph(Graph):
     def __init__(self, weights, size):
         super().__init__(17, size)
         self.weights = weights
-        self.depth = 2  # as in ResNet101: layers with weights, of which stem and descriptor are two
+        self.depth = 2  # as in ResNet101: layers with weights, stem and descriptor included
 
     def normalised_convolution(self, x, names, channels, kernel, stride=1):
         """`names`: of the convolution and its batch normalisation. Return (value, channels)."""
@@ -49,7 +49,7 @@ class ResNetGraph(Graph):
         kernels = KERNELS[3 if f"{name}.conv3.weight" in self.weights else 2]
         y, width = x, channels
         for i, kernel in enumerate(kernels, start=1):
-            # The first convolution that sees neighbours is the one that skips pixels.
+            # The first convolution with a kernel above 1x1 is the strided one.
             step = stride if i == kernels.index(3) + 1 else 1
             y = self.node("Relu", [y]) if i > 1 else y
             self.depth += 1
@@ -75,7 +75,7 @@ class ResNetGraph(Graph):
 
 
 def add_stem(graph):
-    """Add what comes before layer1. Return (value, channels)."""
+    """Add the stem, before layer1. Return (value, channels)."""
     x, channels = graph.normalised_convolution(graph.image(), ("backbone.0", "backbone.1"), 3, 7,
                                                stride=2)
     x = graph.node("MaxPool", [graph.node("Relu", [x])], kernel_shape=[3, 3], strides=[2, 2],
@@ -99,7 +99,7 @@ def add_layer(graph, x, channels, layer, every_block):
 
 
 def add_descriptor(graph, x, channels):
-    """Add what comes after layer4."""
+    """Add the part after layer4."""
     graph.constant("length_floor", np.array(LENGTH_FLOOR))
     x = graph.generalised_mean(graph.l2_normalise(x))
     weight = graph.weights.take("aggregation.3.weight", None, channels)

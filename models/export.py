@@ -37,10 +37,11 @@ def parsed(arguments):
     parser.add_argument("network", choices=NETWORKS, help="cosplace: a ResNet with CosPlace's "
                         "aggregation; vit: a vision transformer of DINO's family, such as Mugs")
     parser.add_argument("checkpoint", type=Path, help="PyTorch file with a state dict")
-    parser.add_argument("folder", type=Path, help="where NAME.onnx and NAME.toml are written")
+    parser.add_argument("folder", type=Path, help="folder for NAME.onnx and NAME.toml")
     parser.add_argument("--name", type=plain_name, help="default: from kind, depth and width")
     parser.add_argument("--size", type=size, metavar="HEIGHTxWIDTH",
-                        help="of the pictures; default: 224x224, for vit what it has positions for")
+                        help="of the pictures; default: 224x224, or for vit the size of its "
+                        "positions")
     parser.add_argument("--taps", choices=("last", "all"), default="last",
                         help="outputs besides the embedding: last (default) gives vit's tokens or "
                         "cosplace's layer1 to layer4; all gives every block as well")

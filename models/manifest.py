@@ -30,7 +30,7 @@ l2_normalise = false
 
 
 def quoted(text):
-    """A TOML string; what JSON escapes, TOML escapes alike."""
+    """A TOML string; JSON and TOML escape alike."""
     return json.dumps(text, ensure_ascii=False)
 
 

@@ -3,8 +3,8 @@
 EfficientNet-Lite0 and MobileNetV2 have one plan: a 3x3 stem, stages of inverted residual blocks
 (1x1 expansion, depthwise convolution, 1x1 projection, and a shortcut around all but the first block
 of a stage), and a 1x1 head. Every convolution is followed by a batch normalisation, which is folded
-into it. A state dict lists them in the order of execution, so the plan only has to add what the
-shapes of the weights do not say: strides, padding and where a stage ends.
+into it. A state dict lists them in the order of execution, so the plan adds only the facts missing
+from the shapes: strides, padding and the ends of stages.
 
 Input:  "image"     float32 [N,3,224,224], normalised as the network's manifest says
 Output: "embedding" float32 [N,1280], global average of the head

@@ -5,11 +5,11 @@ Convolutional networks become static: the ranges of their activations are taken 
 `vdna model inputs` prepares as the robot will. Transformers become dynamic and need no pictures:
 the range of an activation is found as it is computed.
 
-Rounding the weights of a convolution shifts the mean of what it gives. Its bias takes that back; for
-MobileNetV2 this is most of the error of rounding weights.
+Rounding the weights of a convolution shifts the mean of its output. Its bias is corrected for that;
+for MobileNetV2 this is most of the error of rounding weights.
 
-The first call makes a virtual environment in build/quantise with what ONNX Runtime's quantiser
-needs; nothing else of the project uses it.
+The first call makes a virtual environment in build/quantise for ONNX Runtime's quantiser; nothing
+else of the project uses it.
 """
 import argparse
 import hashlib
@@ -28,15 +28,16 @@ ROOT = Path(__file__).resolve().parents[1]
 ENVIRONMENT = ROOT / "build" / "quantise"
 PACKAGES = ("onnxruntime==1.28.0", "onnx==1.23.2")
 
-# Layers of a convolutional network that become int8. All else stays in fp32, above all what makes
-# the embedding: pooled in int8, its numbers would have some hundred values only. Clip and Relu are
-# here because a convolution without the one behind it would be rounded over the range before it.
+# Layers of a convolutional network that become int8. Everything else stays in fp32, above all the
+# layers that make the embedding: pooled in int8, its numbers would have only some hundred values.
+# Clip and Relu are listed because a convolution must be rounded over the range after its
+# activation, not before.
 STATIC_LAYERS = ["Conv", "Clip", "Relu", "Add", "MaxPool"]
 WEIGHT_MAX = 127
 
 
 class QuantiseError(Exception):
-    """What went wrong with which file, and what to do about it."""
+    """An error with a file, and its remedy."""
 
 
 def parsed():
@@ -44,8 +45,8 @@ def parsed():
                                      epilog="See models/README.md, int8.")
     parser.add_argument("manifest", type=Path, help="NAME.toml of the fp32 network")
     parser.add_argument("--pictures", nargs="+", metavar="SOURCE", default=[],
-                        help="folders, videos or LCM logs like what the robot will see; one or two "
-                        "hundred pictures do. A transformer needs none")
+                        help="folders, videos or LCM logs like those the robot will see; one or "
+                        "two hundred pictures suffice. A transformer needs none")
     parser.add_argument("--every", type=int, default=1, metavar="N",
                         help="use every N-th picture only")
     parser.add_argument("-o", "--out", type=Path, required=True, metavar="OUT.toml",
@@ -59,7 +60,7 @@ def parsed():
 
 
 def enter_environment():
-    """Begin anew in the virtual environment, unless this is it."""
+    """Restart in the virtual environment, unless this is it."""
     if Path(sys.prefix) == ENVIRONMENT:
         return
     python, stamp = ENVIRONMENT / "bin" / "python", ENVIRONMENT / "packages"
@@ -89,7 +90,7 @@ def read_network(path):
                             f"{manifest['sha256']}")
     network = onnx.load_from_string(data)
     for node in network.graph.node:
-        node.name = node.output[0]  # unique, and there: names of nodes need be neither
+        node.name = node.output[0]  # made unique: ONNX requires no names of nodes
     return text, manifest, network
 
 
@@ -99,7 +100,7 @@ def is_transformer(model):
 
 
 def prepared(options, folder):
-    """Return what the network is given for each picture, [pictures][3][height][width]."""
+    """Return the network's input for each picture, [pictures][3][height][width]."""
     import numpy as np
     if not options.pictures:
         raise QuantiseError(f"{options.manifest}: a convolutional network; name pictures with "
@@ -112,7 +113,7 @@ def prepared(options, folder):
 
 
 def mean_inputs(model, inputs):
-    """Return the mean of each channel that a convolution is given: {weight: [channels]}."""
+    """Return the mean of each input channel of a convolution: {weight: [channels]}."""
     import numpy as np
     import onnxruntime
     from onnx import ModelProto, TensorProto, helper
@@ -133,7 +134,7 @@ def mean_inputs(model, inputs):
 
 
 def rounded(weight):
-    """Return the weights of a convolution as the quantiser rounds them: each channel by itself."""
+    """Return the weights of a convolution as the quantiser rounds them: per channel."""
     import numpy as np
     scale = np.abs(weight).max(axis=(1, 2, 3), keepdims=True) / WEIGHT_MAX
     scale[scale == 0] = 1
@@ -141,7 +142,7 @@ def rounded(weight):
 
 
 def correct_biases(model, inputs):
-    """Take the shift of the mean that rounding the weights will cause from each bias."""
+    """Subtract from each bias the shift of the mean that rounding the weights will cause."""
     from onnx import numpy_helper
     constants = {constant.name: constant for constant in model.graph.initializer}
     means = mean_inputs(model, inputs)
@@ -159,8 +160,8 @@ def correct_biases(model, inputs):
 
 
 def stem(model):
-    """Return the names of the first convolution and what follows it: a few percent of the work, on
-    pixels that 8 bits with another zero would round once more."""
+    """Return the names of the first convolution and its successors: a few percent of the work, on
+    pixels that 8 bits with another zero would round a second time."""
     first = next(node for node in model.graph.node if node.op_type == "Conv")
     return [first.name] + [node.name for node in model.graph.node
                            if first.output[0] in node.input and node.op_type in ("Clip", "Relu")]
@@ -183,7 +184,7 @@ def quantise_static(model, inputs, out):
                     activation_type=QuantType.QUInt8, weight_type=QuantType.QInt8,
                     op_types_to_quantize=STATIC_LAYERS, nodes_to_exclude=stem(model),
                     calibrate_method=CalibrationMethod.MinMax,
-                    # One strange picture does not make the steps of all others coarse.
+                    # One odd picture must not coarsen the steps of all others.
                     extra_options={"CalibMovingAverage": True})
     return f"static, calibrated with {len(inputs)} pictures, biases corrected"
 
@@ -196,7 +197,7 @@ def quantise_dynamic(model, out):
 
 
 def manifest_text(text, name, data, original, method):
-    """Return the manifest of the original, with what has changed in it."""
+    """Return the manifest of the original with its changes."""
     head, bracket, rest = text.partition("\n[")
     for key, value in (("name", name), ("model", f"{name}.onnx"),
                        ("sha256", hashlib.sha256(data).hexdigest())):

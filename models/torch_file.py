@@ -1,11 +1,11 @@
 """Read the tensors in a PyTorch file into numpy arrays, without PyTorch.
 
 Two containers are in use. Since PyTorch 1.6 it is a zip archive with one pickle, and one member for
-the elements of each storage. Before, it was a run of pickles (magic number, protocol, system, what
-was saved, storage keys), and then, for each key, the number of elements and the elements
-themselves. Elements are little-endian.
+the elements of each storage. Before, it was a sequence of pickles (magic number, protocol, system,
+saved object, storage keys), then the number of elements and the elements of each key. Elements are
+little-endian.
 
-A pickle may name any function and have it called. Here only what a state dict needs is let through.
+A pickle can call any function. This reader admits only those that a state dict needs.
 """
 import collections
 import math
@@ -22,12 +22,12 @@ DTYPES = {f"{name}Storage": np.dtype(code) for name, code in (
 
 
 class CheckpointError(Exception):
-    """What in a checkpoint was found and what was expected."""
+    """A difference between a checkpoint and the expected one."""
 
 
 class Storage:
-    """A flat array of elements. The container sets `load`, which returns their bytes: they are read
-    when they are wanted, for a training checkpoint is several times its network."""
+    """A flat array of elements. The container sets `load`, which returns their bytes. They are read
+    on demand, because a training checkpoint is several times its network."""
 
     def __init__(self, dtype, count):
         self.dtype, self.count, self.load = dtype, count, bytes
@@ -51,12 +51,12 @@ class Tensor:
 
 
 def parameter(tensor, *_):
-    """A parameter of a network is a tensor that training changes."""
+    """A parameter of a network: a tensor that training changes."""
     return tensor
 
 
 class StateDictUnpickler(pickle.Unpickler):
-    """Refuses whatever has no place in a state dict."""
+    """Refuses anything that has no place in a state dict."""
 
     ALLOWED = {
         ("collections", "OrderedDict"): collections.OrderedDict,
@@ -80,7 +80,7 @@ class StateDictUnpickler(pickle.Unpickler):
 
 
 class Inert:
-    """Stands in for any class or function, and does nothing whatever a pickle does with it."""
+    """Stands in for any class or function, and ignores anything a pickle does with it."""
 
     def __new__(cls, *_, **__):
         return super().__new__(cls)
@@ -153,7 +153,7 @@ def read_state_dict(file):
 
 
 def read_checkpoint(file):
-    """Return whatever was saved, with a Tensor for each tensor; these need `file` to stay open."""
+    """Return the saved object, with a Tensor for each tensor; these need `file` to stay open."""
     try:
         return load(file, CheckpointUnpickler)
     except Exception as error:  # a damaged pickle may raise anything, says the pickle module

@@ -2,14 +2,14 @@
 
 The picture is cut into patches; each becomes a token, and a class token is put before them. Blocks
 of attention and perceptron follow, and a last layer normalisation. Depth, width and the size of
-picture and patch follow from the shapes; only the width of an attention head does not, and it is
-64 from ViT-S to ViT-L.
+picture and patch follow from the shapes; the width of an attention head does not, and is 64 from
+ViT-S to ViT-L.
 
 Input:  "image"     float32 [N,3,side,side], ImageNet mean and deviation; the side is the one that
                     the network has positions for
 Output: "embedding" float32 [N,width], the class token
         "tokens"    float32 [N,tokens,width], class token and patches; both after the last norm
-        and, with `every_block`, "block01"..: float32 [N,tokens,width], as they leave the block
+        and, with `every_block`, "block01"..: float32 [N,tokens,width], as outputs of the block
 """
 import math
 
@@ -71,7 +71,7 @@ class TransformerGraph(Graph):
         return self.linear(self.node("Reshape", [y, "heads_joined"]), f"{name}.proj", width, width)
 
     def gelu(self, x):
-        """The exact one, in the form that ONNX Runtime knows and computes in one pass."""
+        """The exact GELU, in the form that ONNX Runtime recognises and computes in one pass."""
         share = self.node("Erf", [self.node("Div", [x, "sqrt2"])])
         return self.node("Mul", [self.node("Mul", [x, self.node("Add", [share, "one"])]), "half"])
 
@@ -105,7 +105,7 @@ def patch_grid(weights):
 
 
 def add_tokens(graph, patch, along):
-    """Add all that comes before the blocks. Return the value."""
+    """Add everything before the blocks. Return the value."""
     weights, width, tokens = graph.weights, graph.width, along * along + 1
     x = graph.convolution(graph.image(),
                           weights.take("patch_embed.proj.weight", width, 3, patch, patch),

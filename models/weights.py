@@ -2,13 +2,13 @@
 
 People save a state dict bare, under "state_dict" or "model", or with teacher and student side by
 side; and wrappers put "module." or "backbone." before each name. So a checkpoint is flattened to
-dotted names, and the network is where a name ends that only this kind of network has.
+dotted names, and a name that only this kind of network has locates the network.
 """
 import numpy as np
 
 from torch_file import CheckpointError, Tensor
 
-# The one to use of two: the paper's ViT, like every DINO, is the teacher.
+# The preferred one of two: the paper's ViT, like every DINO, is the teacher.
 PREFERRED = "teacher"
 
 
@@ -22,7 +22,7 @@ def flattened(value, name=""):
 
 
 def find_prefix(names, landmark, kind):
-    """Return what stands before `landmark` in the one network of this kind among `names`."""
+    """Return the prefix of `landmark` in the only network of this kind among `names`."""
     if not names:
         raise CheckpointError("holds no tensors; expected a state dict: torch.save("
                               "model.state_dict(), ...), not torch.save(model, ...)")
@@ -81,8 +81,8 @@ class Weights:
         return number
 
     def left(self, whole):
-        """Return what was not taken as {first part of the name: number of tensors}. Of the part
-        `whole` nothing may be left: it would be a kind of layer that we do not compute."""
+        """Return the tensors not taken as {first part of the name: number of tensors}. None of part
+        `whole` may remain: it would be a kind of layer that we do not compute."""
         left = {}
         for name in self.tensors.keys() - self.taken:
             part, _, rest = name.partition(".")

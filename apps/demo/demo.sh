@@ -1,12 +1,12 @@
 #!/bin/sh
-# The whole thing at work, as `./dev demo` runs it from the source root after the build: record a
-# route three times, make a map, drive again in another season, and watch the daemon choose.
+# The whole system at work: record a route three times, build a map, drive again in another season,
+# and watch the daemon choose. `./dev demo` runs this from the source root after the build.
 set -eu
 
 demo=build/demo
 warmup=40
 frames=150
-rate=15 # pictures per second, played as a camera would send them
+rate=15 # pictures per second, sent as a camera would
 url=udpm://239.255.76.67:7671?ttl=0
 join='ip link set lo up && ip route add 224.0.0.0/4 dev lo'
 pids=
@@ -27,7 +27,7 @@ vdna()
     build/bin/vdna "$@"
 }
 
-# Whatever happens, no daemon is left behind.
+# Leave no daemon behind, whatever happens.
 clean_up()
 {
     for pid in $pids; do
@@ -37,8 +37,8 @@ clean_up()
 trap clean_up EXIT
 trap 'exit 130' INT TERM
 
-# LCM is multicast. A network namespace of our own has it without asking anybody; where the system
-# refuses one, its own network will do, and ttl=0 keeps every message on this machine.
+# LCM needs multicast, which works in our own network namespace without privileges. If the system
+# refuses a namespace, use its network; ttl=0 keeps every message on this machine.
 find_network()
 {
     [ -z "${VDNA_DEMO_NETWORK:-}" ] || return 0
@@ -71,7 +71,7 @@ start_daemon()
         tries=$((tries - 1))
         if ! kill -0 $daemon 2>/dev/null || [ $tries -eq 0 ]; then
             cat $demo/selectord.log >&2
-            die "the daemon did not become ready; its words are above"
+            die "the daemon did not become ready; see its output above"
         fi
         sleep 0.2
     done
@@ -92,7 +92,7 @@ drive()
     vdna watch -l "$url" --summary --for $((frames / rate + 4)) &
     watch=$!
     pids="$pids $watch"
-    sleep 1 # what is sent before the watcher listens, it does not see
+    sleep 1 # let the watcher start listening first
     vdna play $demo/live --rate $rate -l "$url"
     wait $watch
 }
@@ -107,13 +107,13 @@ for condition in summer winter night; do
     record $condition $condition
 done
 
-say "2. A map of it: one Visual DNA per traversal"
+say "2. A map of the route: one Visual DNA per traversal"
 vdna build $demo/map $demo/summer $demo/winter $demo/night
 
 say "3. The same route on a spring day, which the map has never seen"
 record live spring --start 2 --variation 0.7 --drive 12
 
-say "4. The daemon hears the camera, warms up for $warmup frames, and chooses"
+say "4. The daemon receives the camera, warms up for $warmup frames, and chooses"
 start_daemon
 drive
 stop_daemon
@@ -121,12 +121,12 @@ stop_daemon
 say "5. Was it right? Every candidate, against the true positions"
 vdna localise $demo/live $demo/map --skip $warmup --tolerance 2.5 --matrix $demo/matrices.png
 
-say "That was it"
+say "Done"
 cat <<END
-The ranking came from appearance alone. It is right if its order is that of Recall@1 in 5.
+The ranking came from appearance alone. It is right if it matches the order of Recall@1 in step 5.
 Pictures: $demo/{summer,winter,night,live}   map: $demo/map   difference matrices: $demo/matrices.png
 
-Now with your own pictures or videos, one folder or file per traversal:
+To use your own pictures or videos, one folder or file per traversal:
     build/bin/vdna build MAP TRAVERSAL...
     build/bin/vdna rank LIVE MAP --warmup 100
     build/bin/vdna_selectord --map MAP --warmup-frames 100

@@ -30,7 +30,7 @@ std::vector<AblationRow> over_bins(Frames &frames, const EvaluationSettings &set
     return rows;
 }
 
-// Those of the usual lengths that leave a frame to localise in every traversal.
+// Those default lengths that leave a frame to localise in every traversal.
 std::vector<std::string> usual_warmups(const std::vector<Traversal> &traversals)
 {
     std::vector<std::string> lengths;
@@ -55,7 +55,7 @@ std::vector<AblationRow> over_warmup(Frames &frames, const EvaluationSettings &s
     return rows;
 }
 
-// Each tap alone, then those of the settings together.
+// Each tap alone, then all taps of the settings together.
 std::vector<AblationRow> over_taps(Frames &frames, const EvaluationSettings &settings,
                                    const AblationPlan &plan)
 {
@@ -91,7 +91,7 @@ std::vector<std::string> names_of(const std::vector<Traversal> &traversals,
     return names;
 }
 
-// As if a traversal had never been recorded: neither a query nor in the map.
+// Leave out one traversal at a time: it is neither a query nor in the map.
 std::vector<AblationRow> over_traversals(Frames &frames, const EvaluationSettings &settings,
                                          const AblationPlan &plan)
 {
@@ -104,7 +104,7 @@ std::vector<AblationRow> over_traversals(Frames &frames, const EvaluationSetting
         changed.queries = without(queries, left_out);
         changed.references = without(references, left_out);
         if (changed.queries.empty() || changed.references.empty())
-            continue; // an empty list would stand for all
+            continue; // an empty list would mean all
         rows.push_back(row_of(left_out, evaluate(frames, binning, changed)));
     }
     return rows;

@@ -1,4 +1,4 @@
-// What becomes of the ranking when one thing is changed: bins, warmup, taps, or the map.
+// The effect on the ranking of changing one thing: bins, warmup, taps, or the map.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 namespace vdna::eval
 {
 
-// The methods under one changed value; of MethodResult only name and metrics are filled.
+// The methods with one changed value; only name and metrics of MethodResult are filled.
 struct AblationRow {
     std::string value; // "1000", "45s", a tap's name, or the traversal that was left out
     std::vector<MethodResult> methods;
@@ -22,15 +22,15 @@ struct Ablation {
 
 extern const std::vector<std::string> ablation_kinds; // bins, warmup, tap, leave-one-out
 
-// What to change, and to what.
+// The kind of change, and its values.
 struct AblationPlan {
     std::string kind;
     std::vector<uint32_t> bins;      // none = 10, 50, 100, 500, 1000
-    std::vector<std::string> warmup; // none = 5, 10, 25, 50, 100 frames, as far as there are more
+    std::vector<std::string> warmup; // none = those of 5, 10, 25, 50, 100 frames that fit
     uint32_t range_rule;             // VDNA_RANGE_ABOUT_...
 };
 
-// settings: what stays. Throws Error.
+// settings: everything else, unchanged. Throws Error.
 Ablation ablate(Frames &frames, const EvaluationSettings &settings, const AblationPlan &plan);
 
 } // namespace vdna::eval

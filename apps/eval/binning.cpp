@@ -105,7 +105,7 @@ std::vector<float> Binning::range_of(const std::vector<size_t> &traversals)
     std::vector<float> range(size_t{2} * neurons_);
     require(vdna_range_clear(range.data(), neurons_), "ranges");
     for (const size_t traversal : traversals) {
-        // What was observed of a traversal is observed again, as two samples per neuron.
+        // Observe the extremes of each traversal, as two samples per neuron.
         const vdna_activations extremes = {observed(traversal).data(), neurons_, 2,
                                            VDNA_LAYOUT_NEURONS_SAMPLES};
         require(vdna_range_observe(range.data(), neurons_, &extremes, 1), "ranges");

@@ -13,7 +13,7 @@
 namespace vdna::eval
 {
 
-// The part of the activations that is counted. What was counted once comes from the frames' cache.
+// Counts activations of the selected taps. Repeated counts come from the cache of the frames.
 class Binning
 {
   public:
@@ -21,7 +21,7 @@ class Binning
     Binning(Frames &frames, const std::vector<std::string> &taps, uint32_t range_rule);
 
     uint32_t neurons() const { return neurons_; }
-    const std::vector<Tap> &taps() const { return taps_; } // places among the neurons counted
+    const std::vector<Tap> &taps() const { return taps_; } // positions among the counted neurons
     std::string taps_text() const;                         // as in an identity
 
     // [neurons][2], from all frames of these traversals.
@@ -29,9 +29,9 @@ class Binning
     // Of all frames of a traversal.
     Counts counts_of(size_t traversal, const std::vector<float> &range, uint32_t bins);
 
-    // The activations that are counted of one frame; borrowed until the next call.
+    // The counted activations of one frame; borrowed until the next call.
     const std::vector<vdna_activations> &activations_of(size_t traversal, uint32_t frame);
-    // For the cache: of what is made from the first frames of a traversal, and how.
+    // Cache key of a result computed (as `how` says) from the first frames of a traversal.
     std::string key_of(const std::string &how, size_t traversal, uint32_t frames) const;
 
   private:
@@ -43,10 +43,11 @@ class Binning
     Frames &frames_;
     uint32_t range_rule_;
     uint32_t neurons_ = 0;
-    std::vector<size_t> indices_; // of the picked taps in the backbone's
+    std::vector<size_t> indices_; // of the selected taps among the backbone's
     std::vector<Tap> taps_;
     std::vector<vdna_activations> picked_;
-    std::vector<std::vector<float>> observed_; // [traversals], minima and maxima once asked for
+    std::vector<std::vector<float>>
+        observed_; // [traversals], minima and maxima, computed on demand
 };
 
 } // namespace vdna::eval

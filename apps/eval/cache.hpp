@@ -1,4 +1,4 @@
-// What was computed once, kept on disk by content.
+// Results kept on disk by content.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@ namespace vdna::eval
 // A SHA-256 as 64 hexadecimal digits.
 std::string sha256_of(const void *bytes, size_t size);
 
-// A directory of entries. A key begins with a SHA-256 of everything that shapes the entry's bytes;
-// an entry ends with a SHA-256 of its own.
+// A directory of entries. A key begins with a SHA-256 of everything that determines the bytes of
+// the entry; an entry ends with its own SHA-256.
 class Cache
 {
   public:
@@ -21,7 +21,7 @@ class Cache
 
     // Nothing if it is missing or damaged.
     std::optional<std::string> find(const std::string &key) const;
-    // Whole or not at all. Throws Error.
+    // Stores atomically. Throws Error.
     void store(const std::string &key, std::string bytes) const;
 
   private:

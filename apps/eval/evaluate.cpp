@@ -23,7 +23,7 @@ namespace
 
 constexpr double no_pair = std::numeric_limits<double>::quiet_NaN();
 
-// Traversals by name in the order of the data set; no name stands for all.
+// Traversals by name, in the order of the data set; no names = all.
 std::vector<size_t> named(const std::vector<Traversal> &traversals,
                           const std::vector<std::string> &names)
 {
@@ -118,8 +118,7 @@ class Run
         return maps;
     }
 
-    // Let a selector run on the query, and find which frames are its warmup and which are
-    // localised.
+    // Run a selector on the query, and find its warmup frames and the frames to localise.
     LiveRun run(QueryResult &query, const std::vector<Counts> &maps)
     {
         const Traversal &t = traversals_[query.traversal];
@@ -143,7 +142,7 @@ class Run
         return live;
     }
 
-    // Methods and their tables, without a pair yet.
+    // Methods with empty tables.
     void begin_tables(size_t queries)
     {
         const std::vector<double> empty(queries * references_.size(), no_pair);
@@ -223,7 +222,7 @@ class Run
                              [&](const MethodResult &m) { return m.name == name; });
     }
 
-    // Of the query that is being compared, in the tables.
+    // Index into the tables for the query being compared.
     size_t cell_of(size_t reference) const
     {
         const auto column = std::find(references_.begin(), references_.end(), reference);

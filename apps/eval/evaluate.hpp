@@ -20,8 +20,7 @@ struct EvaluationSettings {
     std::vector<std::string> references; // traversals; none = all
 };
 
-// binning: of these frames; both borrowed as long as the result is in use. Shows progress.
-// Throws Error.
+// binning: of these frames; both must outlive the result. Shows progress. Throws Error.
 Evaluation evaluate(Frames &frames, Binning &binning, const EvaluationSettings &settings);
 
 } // namespace vdna::eval

@@ -1,4 +1,4 @@
-// What an evaluation found: the plain structure that tables, files and reports are made from.
+// The result of an evaluation, from which tables, files and reports are made.
 #pragma once
 
 #include <array>
@@ -16,15 +16,15 @@
 namespace vdna::eval
 {
 
-// One traversal of a data set, with what the network made of its frames.
+// One traversal of a data set, with the network outputs of its frames.
 struct Traversal {
     std::string name;  // "winter", or "test:2/winter" of a partitioned data set
-    std::string group; // traversals are compared within their group only: "test:2", or ""
+    std::string group; // traversals are compared only within their group: "test:2", or ""
     record::Recording recording;
     std::vector<std::filesystem::path> files; // [recording.frames], the pictures
 };
 
-// Recall@N is told for these N.
+// Recall@N is computed for these N.
 constexpr std::array<uint32_t, 3> recall_depths = {1, 5, 10};
 
 // The nearest map frame of one live frame.
@@ -41,7 +41,7 @@ struct FrameMatch {
 struct Outcome {
     std::array<double, recall_depths.size()> recall; // percent, Recall@N for recall_depths
     uint32_t good = 0;                               // nearest frames that are good
-    uint32_t unreachable = 0; // live frames that no map frame is near to: failures
+    uint32_t unreachable = 0; // live frames without a map frame within tolerance: failures
     std::vector<FrameMatch> matches;
 };
 
@@ -56,8 +56,8 @@ struct PairResult {
 struct QueryResult {
     size_t traversal;
     uint32_t warmup_begin;      // first frame of the warmup: 0 unless camera time ran backwards
-    uint32_t warmup_frames;     // what the live Visual DNA is made from
-    std::vector<uint32_t> live; // frames that are localised
+    uint32_t warmup_frames;     // frames in the live Visual DNA
+    std::vector<uint32_t> live; // frames to localise
     std::vector<float> range;   // [neurons][2], from the references only
     std::vector<PairResult> pairs;
     Outcome all; // in all references at once: the composite map
@@ -66,26 +66,26 @@ struct QueryResult {
 // One way to predict which reference is best.
 struct MethodResult {
     std::string name;             // key of a method of eval/methods.hpp
-    std::vector<double> distance; // [queries][references], NaN where there is no pair; empty for
+    std::vector<double> distance; // [queries][references], NaN without a pair; empty for
                                   // chance, whose metrics are exact expectations
     vdna_ranking_metrics metrics; // percentages as percentages
 };
 
 struct Evaluation {
     std::string dataset;         // its path
-    vdna_backbone_info backbone; // its taps and neurons are those that were used
+    vdna_backbone_info backbone; // with the selected taps and their neurons
     uint32_t bins = 0;
     std::string warmup; // "100" frames or "45s"
     double tolerance = 0;
     record::Unit unit = record::Unit::none; // of the tolerance
     uint32_t stride = 1;                    // every stride-th frame after the warmup is localised
-    uint64_t cached = 0;                    // frames whose activations were taken from the cache
+    uint64_t cached = 0;                    // frames with activations from the cache
     uint64_t computed = 0;                  // frames that went through the network
 
     const std::vector<Traversal> *traversals = nullptr; // borrowed
     std::vector<QueryResult> queries;
     std::vector<size_t> references;    // traversals: the columns of the tables below
-    std::vector<double> recall;        // [queries][references], percent; NaN where there is no pair
+    std::vector<double> recall;        // [queries][references], percent; NaN without a pair
     std::vector<MethodResult> methods; // ours first, chance last
 };
 
@@ -93,7 +93,7 @@ struct Evaluation {
 std::vector<float> difference_matrix(const Evaluation &evaluation, const QueryResult &query,
                                      size_t reference);
 
-// How far apart the frames were taken, in the unit of the tolerance, as difference_matrix().
+// Distances between the places of the frames, in the unit of the tolerance, in the same layout.
 std::vector<float> ground_truth_matrix(const Evaluation &evaluation, const QueryResult &query,
                                        size_t reference);
 

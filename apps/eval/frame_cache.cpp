@@ -103,7 +103,8 @@ std::optional<CachedTaps> FrameCache::find_taps(const std::string &key) const
 void FrameCache::store(const std::string &key, const vdna_backbone_frame &frame) const
 {
     cache_.store(key + taps_kind, packed_taps(frame));
-    cache_.store(key + frame_kind, packed_frame(frame)); // last: a frame that is found has its taps
+    cache_.store(key + frame_kind,
+                 packed_frame(frame)); // last, so that every frame found has its taps
 }
 
 } // namespace vdna::eval

@@ -1,4 +1,4 @@
-// What the network made of pictures, kept so that it runs once per picture.
+// Network outputs of pictures, cached so that the network runs once per picture.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 namespace vdna::eval
 {
 
-// What localisation and the baselines need of a frame.
+// The part of a frame that localisation and the baselines need.
 struct CachedFrame {
     float grey = 0; // 0..255
     std::vector<float> embedding;
@@ -20,21 +20,21 @@ struct CachedFrame {
     vdna_backbone_frame view() const; // borrowed, without taps
 };
 
-// What histograms need of a frame. Moving it keeps the pointers.
+// The part of a frame that histograms need. Moving it keeps the pointers valid.
 struct CachedTaps {
     std::vector<vdna_activations> taps; // point into `values`
     std::vector<float> values;
 };
 
-// The entries of one network. The two parts of a frame are kept apart because a run whose
-// histograms are cached needs no activations, which are by far the larger part.
+// The entries of one network. The two parts of a frame are separate entries, because a run with
+// cached histograms does not need the activations, by far the larger part.
 class FrameCache
 {
   public:
     // cache: borrowed.
     FrameCache(const Cache &cache, const vdna_backbone_info &backbone);
 
-    // Of a picture's bytes and of everything about the network that shapes the numbers.
+    // Depends on the bytes of the picture and on everything in the network that affects results.
     std::string key_of(const std::vector<uint8_t> &picture) const;
     // Nothing if it is missing or damaged.
     std::optional<CachedFrame> find(const std::string &key) const;

@@ -1,4 +1,4 @@
-// The traversals of a data set with everything the network made of their frames.
+// The traversals of a data set with the network outputs of their frames.
 #pragma once
 
 #include <vector>
@@ -14,16 +14,15 @@ namespace vdna::eval
 {
 
 struct FramesOptions {
-    double rate_hz = 10;   // of pictures whose labels carry no time
-    bool skip_bad = false; // leave out pictures that cannot be decoded
+    double rate_hz = 10;   // of pictures whose labels have no time
+    bool skip_bad = false; // leave out undecodable pictures
 };
 
 class Frames
 {
   public:
-    // Sends the pictures that the cache does not hold through the network. Shows progress; what was
-    // computed before Ctrl-C or an error stays in the cache. backbone, cache: borrowed. Throws
-    // Error.
+    // Runs the network on pictures that are not in the cache. Shows progress; results computed
+    // before Ctrl-C or an error stay in the cache. backbone, cache: borrowed. Throws Error.
     Frames(const frames::Dataset &dataset, Backbone &backbone, const Cache &cache,
            const FramesOptions &options);
 

@@ -10,7 +10,7 @@ namespace vdna::eval
 namespace
 {
 
-// The times of the frames decide which of them make the window.
+// The key includes the times of the frames, because they decide the window.
 std::string key_of(const Frames &frames, const Binning &binning, const LiveTask &task)
 {
     const record::Recording &live = frames.traversals()[task.traversal].recording;
@@ -55,7 +55,8 @@ LiveRun feed(Frames &frames, Binning &binning, const LiveTask &task)
     LiveRun run;
     for (bool chosen = false; !chosen && run.next < live.recording.frames;) {
         program::require_not_interrupted();
-        const std::vector<vdna_activations> &taps = binning.activations_of(task.traversal, run.next);
+        const std::vector<vdna_activations> &taps =
+            binning.activations_of(task.traversal, run.next);
         const vdna_select_frame frame = {live.recording.utime[run.next], taps.data(), taps.size(),
                                          &live.recording.embeddings[size_t{dim} * run.next]};
         vdna_select_answer answer;
@@ -63,7 +64,7 @@ LiveRun feed(Frames &frames, Binning &binning, const LiveTask &task)
         if (answer.restarted)
             run.begin = run.next;
         chosen = answer.newly_ranked != 0;
-        // A frame that is localised is not in the window any more.
+        // A localised frame is no longer in the window.
         run.next += answer.localised ? 0 : 1;
     }
     run.frames = vdna_select_window_frames(selector.get());

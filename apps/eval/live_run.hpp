@@ -1,4 +1,4 @@
-// A traversal in the role of the live one: the selector itself warms up on its frames.
+// A traversal in the role of the live one: the real selector warms up on its frames.
 #pragma once
 
 #include <vector>
@@ -10,15 +10,15 @@
 namespace vdna::eval
 {
 
-// What the warmup came to.
+// The result of the warmup.
 struct LiveRun {
     uint32_t begin = 0;  // first frame of the window: 0 unless camera time ran backwards
     uint32_t frames = 0; // of the window
-    uint32_t next = 0;   // first frame to localise; as many as there are if the window never ended
+    uint32_t next = 0;   // first frame to localise; the number of frames if the window never ended
     Counts dna;          // of the window
 };
 
-// What a run is made of.
+// The inputs of a run.
 struct LiveTask {
     size_t traversal;                // of the frames that `binning` counts
     const std::string &length;       // of the warmup, "100" frames or "45s"
@@ -27,7 +27,7 @@ struct LiveTask {
     std::vector<vdna_select_candidate> candidates; // counted in the same bins
 };
 
-// Feed a selector until it chooses. A run that was made before comes from the cache. Throws Error.
+// Feed a selector until it chooses. Repeated runs come from the cache. Throws Error.
 LiveRun run_live(Frames &frames, Binning &binning, const LiveTask &task);
 
 } // namespace vdna::eval

@@ -23,7 +23,7 @@ void append(record::Recording &to, const record::Recording &from, uint32_t i, ui
                          &from.embeddings[size_t{dim} * i] + dim);
 }
 
-// One experience of all frames of these traversals, one after the other.
+// One experience of all frames of these traversals, concatenated.
 record::Recording joined(const QueryTask &task, const std::vector<size_t> &references)
 {
     record::Recording all;
@@ -35,7 +35,7 @@ record::Recording joined(const QueryTask &task, const std::vector<size_t> &refer
     return all;
 }
 
-// Which traversal a frame of joined() is from; makes `frame` that traversal's.
+// The traversal of a frame of joined(); `frame` becomes its index in that traversal.
 size_t split(const QueryTask &task, const std::vector<size_t> &references, uint32_t &frame)
 {
     for (const size_t reference : references) {
@@ -44,7 +44,7 @@ size_t split(const QueryTask &task, const std::vector<size_t> &references, uint3
             return reference;
         frame -= frames;
     }
-    throw Error("a match lies outside of its map"); // cannot be
+    throw Error("a match lies outside of its map"); // unreachable
 }
 
 } // namespace

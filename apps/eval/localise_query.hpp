@@ -6,13 +6,13 @@
 namespace vdna::eval
 {
 
-// What a localisation needs to know about its map.
+// The settings of a localisation.
 struct QueryTask {
     const std::vector<Traversal> &traversals;
     const QueryResult &query; // its traversal and live frames
     uint32_t dim;             // of the embeddings
     double tolerance;         // inclusive
-    record::Unit unit;        // of the tolerance; what all traversals are labelled with
+    record::Unit unit;        // of the tolerance; all traversals have such labels
 };
 
 // In one traversal, or in several as if they were one. Throws Error.

@@ -1,4 +1,4 @@
-// The methods that rank references: one table of what each is called and how it measures.
+// The methods that rank references: one table of their names and distances.
 #pragma once
 
 #include <string>
@@ -19,21 +19,21 @@ struct Comparison {
 };
 
 struct Method {
-    const char *key;   // in JSON, CSV and names of files
+    const char *key;   // in JSON, CSV and file names
     const char *title; // for people
     const char *unit;  // of the distance
-    // NULL: no distance, whose metrics are exact expectations over all rankings. Throws Error.
+    // NULL: no distance; the metrics are exact expectations over all rankings. Throws Error.
     double (*distance)(const Comparison &comparison);
 };
 
 // Ours first, chance last.
 extern const std::vector<Method> methods;
 
-// Visual DNA of one tap is a method too: "vdna:TAP", measured as the whole is.
+// Visual DNA of one tap is also a method, "vdna:TAP", with the same distance.
 std::string key_of_tap(const std::string &tap);
 bool is_of_tap(const std::string &key);
 
-// The method of this key; what neither the table nor a tap has gets its key as title, and no unit.
+// Title and unit of the method with this key; an unknown key is its own title, without a unit.
 std::string title_of(const std::string &key);
 std::string unit_of(const std::string &key);
 

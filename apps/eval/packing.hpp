@@ -17,7 +17,7 @@ void pack(std::string &bytes, const T *values, size_t count)
     bytes.append(reinterpret_cast<const char *>(values), count * sizeof(T));
 }
 
-// Counts, most of which are small: seven bits a byte, lowest first, the eighth says that more
+// Counts, most of them small: seven bits a byte, lowest first; the eighth bit means that more
 // follow.
 inline void pack_counts(std::string &bytes, const std::vector<uint32_t> &counts)
 {
@@ -28,20 +28,20 @@ inline void pack_counts(std::string &bytes, const std::vector<uint32_t> &counts)
     }
 }
 
-// A histogram's, mass first.
+// The counts of a histogram, mass first.
 inline void pack_counts(std::string &bytes, const Counts &counts)
 {
     pack_counts(bytes, counts.mass);
     pack_counts(bytes, counts.counts);
 }
 
-// Takes values from bytes until they run out.
+// Reads values from bytes until they run out.
 class Unpacker
 {
   public:
     explicit Unpacker(const std::string &bytes) : bytes_(bytes) {}
 
-    // False if so many are not left.
+    // False if fewer are left.
     template <typename T>
     bool take(T *values, uint64_t count)
     {
@@ -63,7 +63,7 @@ class Unpacker
 
     bool take_counts(std::vector<uint32_t> &counts, uint64_t count)
     {
-        if (count > bytes_.size() - at_) // each is a byte at least
+        if (count > bytes_.size() - at_) // each takes at least a byte
             return false;
         counts.assign(count, 0);
         for (uint32_t &value : counts) {

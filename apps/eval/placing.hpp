@@ -1,5 +1,4 @@
-// References in the order of their recall, or of their distance by a method; and how far a place of
-// the one is from that of the other.
+// References ranked by recall or by a method's distance, and the difference between both ranks.
 #pragma once
 
 #include <vector>
@@ -13,7 +12,7 @@ namespace vdna::eval
 struct Place {
     size_t reference; // traversal
     double value;     // recall in percent, or distance
-    uint32_t off;     // ranks between this place and the true one: the paper's colours
+    uint32_t off;     // ranks from the true place: the paper's colours
 };
 
 // query: index into the evaluation's queries. Ties keep the order of the references.

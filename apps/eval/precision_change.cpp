@@ -24,7 +24,7 @@ Spread spread_of(std::vector<double> values)
     return {median, values.back()};
 }
 
-// Sums over the numbers of two embeddings.
+// Sums over the elements of two embeddings.
 struct Sums {
     double aa = 0, bb = 0, ab = 0, apart = 0;
 };
@@ -42,7 +42,7 @@ Sums sums_of(const float *a, const float *b, uint32_t dim)
     return sums;
 }
 
-// Pairs of references that come in another order in `b` than in `a`.
+// Pairs of references whose order differs between `a` and `b`.
 uint32_t swaps_between(const std::vector<Place> &a, const std::vector<Place> &b)
 {
     const auto place = [&](size_t reference) {

@@ -1,4 +1,4 @@
-// What becomes of embeddings, distances and rankings when a network computes in another precision.
+// The effect of a network's precision on embeddings, distances and rankings.
 #pragma once
 
 #include <array>
@@ -12,10 +12,10 @@ struct Spread {
     double median = 0, max = 0;
 };
 
-// How far the embeddings of the same pictures are apart, over all of them.
+// Differences between the embeddings of the same pictures.
 struct EmbeddingChange {
     uint64_t pictures = 0;
-    Spread l2_percent;      // |a - b| of |a|
+    Spread l2_percent;      // |a - b| / |a|
     Spread cosine_distance; // 1 - cosine of the angle, 0..2
 };
 
@@ -24,7 +24,7 @@ struct QueryChange {
     size_t traversal;
     std::array<size_t, 2> first;  // choice of each network: a traversal
     std::array<double, 2> recall; // of that choice with that network, percent
-    uint32_t swaps;               // pairs of references that come in another order
+    uint32_t swaps;               // pairs of references in another order
 };
 
 struct RankingChange {
@@ -34,8 +34,8 @@ struct RankingChange {
     std::array<double, 2> recall; // percent, mean over all pairs
 };
 
-// a, b: the same traversals with either network, whose embeddings have `dim` numbers. Throws Error
-// if one of them could not use a picture that the other did.
+// a, b: the same traversals with either network, with embeddings of `dim` elements. Throws Error if
+// only one of them could use a picture.
 EmbeddingChange embedding_change(const std::vector<Traversal> &a, const std::vector<Traversal> &b,
                                  uint32_t dim);
 

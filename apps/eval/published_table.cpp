@@ -37,7 +37,7 @@ struct Member {
     }
 };
 
-// A complaint is one line, whatever the names in the file are.
+// Keep a complaint on one line, whatever names the file contains.
 std::string printable(std::string name)
 {
     std::replace_if(
@@ -62,7 +62,7 @@ std::vector<std::string> names_in(const program::Json &object)
     return names;
 }
 
-// The names of all references, in the order in which they come.
+// The names of all references, in order of appearance.
 std::vector<std::string> references_in(const program::Json &recall)
 {
     std::vector<std::string> references;
@@ -74,7 +74,7 @@ std::vector<std::string> references_in(const program::Json &recall)
     return references;
 }
 
-// {query: {reference: number or null}} as a table of these queries and references.
+// Convert {query: {reference: number or null}} to a table of these queries and references.
 std::vector<double> table_of(const Member &object, const std::vector<std::string> &queries,
                              const std::vector<std::string> &references)
 {

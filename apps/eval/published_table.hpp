@@ -1,4 +1,4 @@
-// Tables of recalls and distances that were published as numbers, judged without pictures.
+// Published tables of recalls and distances, evaluated without pictures.
 #pragma once
 
 #include <string>
@@ -11,10 +11,10 @@ namespace vdna::eval
 {
 
 // json: {"recall": {query: {reference: percent, "all": percent}},
-//        "distance": {method: {query: {reference: number}}}}; more members are passed over. Pairs
-// may be missing or null; a method is judged by the pairs that it and the recalls both have.
-// "random" is always judged, by all recalls. where: names the file in complaints. Throws Error,
-// naming the member.
+//        "distance": {method: {query: {reference: number}}}}; other members are ignored.
+// Pairs may be missing or null; a method is evaluated on the pairs that have both a distance and a
+// recall. "random" is always evaluated, on all recalls. where: names the file in complaints.
+// Throws Error, naming the member.
 std::vector<MethodResult> judge_published(const program::Json &json, const std::string &where);
 
 } // namespace vdna::eval

@@ -1,15 +1,16 @@
-/* rank: which of three drives looks most like now, and where in it are we? First from all frames of
- * now, then live, frame by frame. The same program in C, Python, Rust, Go and Java, in the folders
- * beside this file; all print the same bytes. */
+/* rank: which of three drives looks most like now, and where in it are we? First from all frames
+ * at once, then live, frame by frame. The folders next to this file have the same program in
+ * Python, Rust, Go and Java; all print the same bytes. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
 #include <vdna/vdna.h>
 
 enum { NEURONS = 8, SAMPLES = 4, FRAMES = 50, WARMUP = 40, BINS = 1000, CANDIDATES = 3 };
 
-/* A made-up drive: its activations lie in shift..shift + 1. */
+/* A synthetic drive: its activations lie in shift..shift + 1. */
 typedef struct drive {
     const char *name;
     uint32_t seed;

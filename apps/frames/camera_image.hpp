@@ -8,8 +8,8 @@
 namespace vdna::frames
 {
 
-// An encoded picture converted, any other as it is. name: of the frame, for people.
-// Borrowed from `image` or, until its next use, from `converter`. Throws BadFrame.
+// Convert an encoded picture; return any other unchanged. name: names the frame in complaints. The
+// result is borrowed from `image` or, until its next use, from `converter`. Throws BadFrame.
 vdna_image camera_image(const vdna_image &image, const std::string &name,
                         picture::FileConverter &converter);
 

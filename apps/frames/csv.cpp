@@ -17,7 +17,7 @@ namespace
     throw Error(path + ":" + std::to_string(line) + ": " + sentence);
 }
 
-// Reads rows from text, one after the other.
+// Reads rows from text, one at a time.
 class CsvReader
 {
   public:
@@ -93,7 +93,7 @@ std::string text_of(const std::filesystem::path &path)
 {
     std::ifstream stream(path, std::ios::binary);
     std::ostringstream text;
-    // An empty file makes << fail without harm; the header's absence is reported by the caller.
+    // << fails on an empty file, which is harmless: the caller reports the missing header.
     if (!stream || !(text << stream.rdbuf() || stream.peek() == EOF))
         throw Error(path.string() + ": cannot read this table; expected a CSV file");
     return text.str();

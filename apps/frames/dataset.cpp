@@ -18,7 +18,7 @@ bool begins_with_at(const fs::path &folder)
     return pictures_in(folder).front().filename().string()[0] == '@';
 }
 
-// The format that the names of files and folders give away.
+// Detect the format from the names of files and folders.
 std::string format_of(const fs::path &path)
 {
     if (fs::exists(path / "manifest.csv"))

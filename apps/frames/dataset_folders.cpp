@@ -1,4 +1,4 @@
-// A folder per traversal, each with labels.csv; and the protocol of University Parks on top of it.
+// A folder per traversal, each with labels.csv. The protocol of University Parks builds on this.
 #include "frames/dataset.hpp"
 #include "frames/source.hpp"
 

@@ -1,4 +1,4 @@
-// One table about all traversals: manifest.csv with file, experience, order, place and gt_tol.
+// One table for all traversals: manifest.csv with file, experience, order, place and gt_tol.
 #include <algorithm>
 #include <charconv>
 
@@ -21,7 +21,7 @@ struct Entry {
     fs::path file;
 };
 
-// The table by column name; complaints say file and line.
+// The table by column name; complaints name file and line.
 class Manifest
 {
   public:

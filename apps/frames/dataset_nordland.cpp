@@ -1,5 +1,5 @@
-// Nordland: four synchronised train journeys, one folder per season. The test partitions are
-// sub-folders of it, or its pictures are cut into partitions of equal length. Frame numbers are the
+// Nordland: four synchronised train journeys, one folder per season. Partitions are its
+// sub-folders, or its pictures are split into partitions of equal length. Frame numbers are the
 // ground truth.
 #include <algorithm>
 #include <array>
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 using Pictures = std::vector<fs::path>;
 
-// 123 of "images-00123.png".
+// 123 for "images-00123.png".
 std::optional<int64_t> number_of(const fs::path &file)
 {
     const std::string stem = file.stem().string();

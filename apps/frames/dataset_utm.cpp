@@ -1,4 +1,4 @@
-// Pictures that carry their position in their names: @UTM_EAST@UTM_NORTH@ZONE@...@.jpg.
+// Pictures with their position in the file name: @UTM_EAST@UTM_NORTH@ZONE@...@.jpg.
 #include <charconv>
 
 #include "frames/dataset.hpp"
@@ -57,7 +57,7 @@ Label label_of(const fs::path &file, std::string &zone)
 Dataset load_utm(const fs::path &path)
 {
     Dataset dataset;
-    dataset.tolerance = 25; // metres, as the tools that share this naming have it
+    dataset.tolerance = 25; // metres, as in other tools that use these names
     std::string zone;
     for (const fs::path &folder : folders_in(path)) {
         DatasetTraversal traversal{folder.filename().string(), "", {}};

@@ -14,7 +14,7 @@ namespace vdna::frames
 namespace
 {
 
-// Reads the cells of a table by column name; complaints say file, line and column.
+// Reads the cells of a table by column name; complaints name file, line and column.
 class Cells
 {
   public:
@@ -108,8 +108,8 @@ void require_columns(const std::string &path, const Cells &cells)
                            "lat,lon[,alt], or utime");
 }
 
-// The same path for every way of writing it. Tables name many files in few folders, and resolving
-// a folder asks the disk, so its answer is kept.
+// Resolves different spellings of a path to the same one. Tables name many files in few folders,
+// and resolving a folder reads the disk, so its result is kept.
 class Resolver
 {
   public:

@@ -1,4 +1,4 @@
-// Where the frames of a source were taken: a CSV table with one row per picture or frame.
+// Labels of frames (time, place, position): a CSV table with one row per picture or frame.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 namespace vdna::frames
 {
 
-// What a row says about its frame.
+// The label of one frame.
 struct Label {
     std::optional<int64_t> utime;                  // camera stamp, microseconds
     std::optional<int64_t> place;                  // place number
@@ -24,10 +24,10 @@ struct Label {
 class Labels
 {
   public:
-    // Throws Error with file and line for what breaks these rules.
+    // Throws Error with file and line if a row breaks these rules.
     explicit Labels(const std::filesystem::path &csv);
 
-    // The row about a frame, given by its index and, for a picture, its path ("" otherwise).
+    // The row of a frame, identified by its index and, for a picture, its path ("" otherwise).
     // Throws Error if there is none.
     const Label &find(const std::filesystem::path &file, uint64_t frame) const;
 
@@ -37,8 +37,8 @@ class Labels
     std::map<std::string, Label> rows_; // by resolved path, or by index
 };
 
-// WGS84 latitude and longitude in degrees, height above the ellipsoid in metres, to
-// Earth-centred, Earth-fixed metres: distances then need no zone.
+// Convert WGS84 latitude and longitude in degrees and height above the ellipsoid in metres to
+// Earth-centred, Earth-fixed metres, so that distances need no zone.
 std::array<double, 3> ecef_of(double lat_deg, double lon_deg, double alt_m);
 
 } // namespace vdna::frames

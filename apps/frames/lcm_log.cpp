@@ -1,4 +1,4 @@
-// Camera frames of an LCM log file, as lcm-logger writes it.
+// Camera frames of an LCM log file written by lcm-logger.
 //
 // Each event is a 28-byte big-endian header (magic u32, number i64, time i64 in microseconds,
 // channel length u32, data length u32), the channel and the data. liblcm's own reader is not used
@@ -42,7 +42,7 @@ class LogReader : public Reader
         std::set<std::string> others;
         uint64_t at = 0;
         const uint64_t end = std::filesystem::file_size(path);
-        // A logger that was killed leaves half an event, which is no reason to refuse the rest.
+        // Ignore half an event at the end: a logger that was killed leaves one.
         while (end - at >= header_size) {
             std::string name;
             const Event event = event_at(at, end, name);
@@ -91,7 +91,7 @@ class LogReader : public Reader
     uint64_t size() const override { return events_.size(); }
 
   private:
-    // Where the data of an event lies in the file.
+    // The place of an event's data in the file.
     struct Event {
         uint64_t offset;
         uint32_t size; // bytes
@@ -107,7 +107,7 @@ class LogReader : public Reader
             throw Error(path_ + ": damaged at byte " + std::to_string(at) +
                         ", expected an event of an LCM log");
         out_channel.resize(length);
-        // Half a channel name at the end of the file is half an event.
+        // A channel name cut off by the end of the file is also half an event.
         if (length > end - at - header_size || !read_bytes(stream_, out_channel.data(), length))
             return {end, 1};
         return {at + header_size + length, size};

@@ -36,7 +36,7 @@ bool Source::next(Frame &out_frame)
     for (; to_skip_ > 0; to_skip_--)
         if (!reader_->skip())
             return false;
-    // Set before reading, so that a bad frame counts as the one frame that was kept.
+    // Set before reading, so that a bad frame also counts as the frame to keep.
     to_skip_ = options_.every - 1;
     Frame frame;
     if (!reader_->read(frame))

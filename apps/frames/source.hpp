@@ -1,4 +1,4 @@
-// Where frames come from: a folder of pictures, a video file, or the log of an LCM network.
+// Sources of frames: a folder of pictures, a video file, or an LCM log.
 #pragma once
 
 #include <cstdint>
@@ -19,26 +19,26 @@ namespace vdna::frames
 
 // How to read a source.
 struct SourceOptions {
-    double rate_hz = 10;                      // of pictures that carry no time, > 0
+    double rate_hz = 10;                      // of pictures without a time stamp, > 0
     std::string camera = VDNA_CHANNEL_CAMERA; // channel of an LCM log
-    std::string labels;    // CSV file; "" = the folder's own labels.csv, if it has one
-    bool labelled = true;  // false: labels are not wanted and not looked at
-    uint64_t skip = 0;     // frames left out at the beginning
-    uint64_t every = 1;    // of the rest, keep one frame of so many, >= 1
-    bool skip_bad = false; // for Pass: leave out frames that cannot be used
+    std::string labels;                       // CSV file; "" = labels.csv of the folder, if present
+    bool labelled = true;                     // false: labels are not read
+    uint64_t skip = 0;                        // frames left out at the start
+    uint64_t every = 1;                       // of the rest, keep every N-th frame, >= 1
+    bool skip_bad = false;                    // for Pass: leave out unusable frames
 };
 
-// One frame. `image.data` is borrowed until the next frame is asked for.
+// One frame. `image.data` is borrowed until the next frame is read.
 struct Frame {
-    uint64_t index = 0;         // in the source, from 0, skipped ones included
+    uint64_t index = 0;         // in the source, from 0, including skipped frames
     int64_t utime = 0;          // microseconds: the label's, else the camera's, else index / rate
-    std::string name;           // for people: path of the picture, or "drive.mp4: frame 12"
+    std::string name;           // for complaints: path of the picture, or "drive.mp4: frame 12"
     std::filesystem::path file; // of a picture; "" for videos and logs
     vdna_image image{};
     Label label;
 };
 
-// This frame cannot be used; the next one may be.
+// This frame cannot be used, but later ones may be.
 class BadFrame : public Error
 {
   public:
@@ -50,11 +50,11 @@ class Reader
 {
   public:
     virtual ~Reader() = default;
-    // The next frame, its label left empty; false at the end. Throws BadFrame, or Error.
+    // The next frame, without its label; false at the end. Throws BadFrame, or Error.
     virtual bool read(Frame &out_frame) = 0;
-    // Pass over the next frame; false at the end.
+    // Skip the next frame; false at the end.
     virtual bool skip() = 0;
-    // Frames from the beginning to the end; of a video as its header says.
+    // All frames of the source; for a video, the number in its header.
     virtual uint64_t size() const = 0;
 };
 
@@ -67,7 +67,7 @@ class Source
 
     // The next frame; false at the end. Throws BadFrame, or Error if a label is missing.
     bool next(Frame &out_frame);
-    // Frames that next() will give in all, as far as is known beforehand.
+    // The total number of frames that next() will return, as far as known.
     uint64_t size() const;
     const std::string &path() const { return path_; }
 
@@ -79,22 +79,22 @@ class Source
     uint64_t to_skip_; // before the next frame
 };
 
-// The readers; open_reader() looks at the path and its first bytes to tell which.
+// The readers; open_reader() chooses one by the path and the first bytes of the file.
 std::unique_ptr<Reader> open_reader(const std::string &path, const SourceOptions &options);
 std::unique_ptr<Reader> open_folder(const std::filesystem::path &path, double rate_hz);
 std::unique_ptr<Reader> open_video(const std::string &path, double rate_hz);
 std::unique_ptr<Reader> open_lcm_log(const std::string &path, const std::string &channel);
 
-// The pictures of a folder, in the order of their names; none is an Error.
+// The pictures of a folder, in the order of their names. Throws Error if there are none.
 std::vector<std::filesystem::path> pictures_in(const std::filesystem::path &folder);
 
-// Are there pictures in this folder? Throws Error if it cannot be read.
+// True if the folder contains pictures. Throws Error if it cannot be read.
 bool holds_pictures(const std::filesystem::path &folder);
 
 // The bytes of a picture file. Throws BadFrame.
 std::vector<uint8_t> read_picture(const std::filesystem::path &file);
 
-// Does this file begin as an LCM log does?
+// True if the file begins like an LCM log.
 bool is_lcm_log(const std::string &path);
 
 } // namespace vdna::frames

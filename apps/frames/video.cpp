@@ -17,10 +17,10 @@ class VideoReader : public Reader
   public:
     VideoReader(const std::string &path, double rate_hz) : path_(path), rate_hz_(rate_hz)
     {
-        // OpenCV would report each backend that cannot read the file; our one sentence says it.
+        // OpenCV would log each backend that cannot read the file; our error says so once.
         cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-        // FFmpeg only: other backends look for cameras, load plug-ins, or take a picture for the
-        // first one of a sequence.
+        // FFmpeg only: other backends look for cameras, load plug-ins, or treat a picture as the
+        // first of a sequence.
         if (!video_.open(path, cv::CAP_FFMPEG) || video_.get(cv::CAP_PROP_FRAME_COUNT) < 1)
             throw Error(path + ": neither a folder, nor an LCM log, nor a video that OpenCV can "
                                "read; expected one of these");

@@ -1,4 +1,4 @@
-// How a program ends.
+// Exit codes of the programs.
 #pragma once
 
 #include <vdna/cpp/error.hpp>
@@ -8,8 +8,8 @@ namespace vdna::program
 
 enum ExitCode {
     exit_ok = 0,
-    exit_failed = 1, // the input or the system did not allow it; nothing half-written is left
-    exit_usage = 2,  // the command line or a configuration file is wrong
+    exit_failed = 1,        // error in the input or the system; nothing half-written is left
+    exit_usage = 2,         // the command line or a configuration file is wrong
     exit_interrupted = 130, // Ctrl-C or SIGTERM; nothing half-written is left
 };
 
@@ -20,7 +20,7 @@ class UsageError : public Error
     using Error::Error;
 };
 
-// Ctrl-C or SIGTERM came while there was work to do.
+// Ctrl-C or SIGTERM interrupted the work.
 class Interrupted : public Error
 {
   public:

@@ -25,7 +25,7 @@ void catch_interrupts()
 {
     struct sigaction action = {};
     action.sa_handler = remember_signal;
-    // No SA_RESTART, so that a wait ends; reset, so that a program that hangs can still be ended.
+    // No SA_RESTART, so that a wait ends; reset, so that a second signal ends a hanging program.
     action.sa_flags = static_cast<int>(SA_RESETHAND);
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, nullptr);

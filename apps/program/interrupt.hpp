@@ -1,17 +1,17 @@
-// Ctrl-C and SIGTERM as a question that long work asks between two steps.
+// Ctrl-C and SIGTERM as a flag that long work polls between two steps.
 #pragma once
 
 namespace vdna::program
 {
 
-// From now on the first SIGINT or SIGTERM is only remembered, and blocking calls return with
-// EINTR; the second one ends the program as usual. Call once, early in main().
+// From now on the first SIGINT or SIGTERM is only recorded, and blocking calls return EINTR; the
+// second one ends the program as usual. Call once, early in main().
 void catch_interrupts();
 
-// True once a signal has come in.
+// True after a signal.
 bool interrupted();
 
-// Throws Error with exit_interrupted once a signal has come in.
+// Throws Error with exit_interrupted after a signal.
 void require_not_interrupted();
 
 } // namespace vdna::program

@@ -1,4 +1,4 @@
-// Folders that appear when everything in them is there.
+// Folders that appear only when they are complete.
 #pragma once
 
 #include <filesystem>
@@ -6,8 +6,7 @@
 namespace vdna::program
 {
 
-// A folder to work in, PATH.partial, which becomes PATH when it is finished and goes away
-// otherwise.
+// A working folder, PATH.partial, which becomes PATH when it is finished and is deleted otherwise.
 class NewFolder
 {
   public:
@@ -17,9 +16,9 @@ class NewFolder
     NewFolder(const NewFolder &) = delete;
     NewFolder &operator=(const NewFolder &) = delete;
 
-    // Where to work.
+    // The working folder.
     const std::filesystem::path &partial() const { return partial_; }
-    // Replaces what bears the name. Throws std::filesystem::filesystem_error.
+    // Rename it to PATH, replacing an existing one. Throws std::filesystem::filesystem_error.
     void finish();
 
   private:

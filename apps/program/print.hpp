@@ -12,13 +12,13 @@ namespace vdna::program
 
 using Json = nlohmann::ordered_json;
 
-// File names need not be UTF-8, JSON must be: bytes that are not are replaced.
+// File names need not be UTF-8, but JSON must be: invalid bytes are replaced.
 inline void print_json(const Json &json)
 {
     std::cout << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
 }
 
-// A number with so many digits after the point.
+// A number with `digits` digits after the point.
 inline std::string fixed(double value, int digits)
 {
     char text[400]; // the longest double has 309 digits before the point

@@ -13,7 +13,7 @@ namespace
 {
 
 constexpr std::chrono::seconds patience(2);          // shorter work needs no bar
-constexpr std::chrono::milliseconds redraw_gap(100); // ten a second are enough for the eye
+constexpr std::chrono::milliseconds redraw_gap(100); // ten a second look smooth
 
 std::string time_left(double seconds)
 {
@@ -70,7 +70,7 @@ void Progress::advance(size_t steps)
 void Progress::draw(Clock::time_point now)
 {
     const std::chrono::duration<double> elapsed = now - begin_;
-    // The escape sequence clears what a longer line may have left.
+    // The escape sequence clears the rest of a longer previous line.
     std::fprintf(stderr, "\r%s\x1b[K",
                  progress_line(title_, done_, total_, elapsed.count()).c_str());
     std::fflush(stderr);

@@ -32,7 +32,7 @@ class Progress
     bool visible_;
     bool drawn_ = false;
     Clock::time_point begin_;
-    Clock::time_point due_; // when the line may be drawn next
+    Clock::time_point due_; // earliest time to draw the line again
 };
 
 // The text of the bar, without a line end: "winter [#####---------------]  30/120  15/s  6 s left".

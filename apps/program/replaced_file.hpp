@@ -1,4 +1,4 @@
-// Files that are replaced at once or not at all.
+// Atomic replacement of files.
 #pragma once
 
 #include <string>
@@ -7,11 +7,12 @@ namespace vdna::program
 {
 
 enum class Durability {
-    quick,   // a loss of power may cost the file: for what can be made again and checks itself
-    durable, // a loss of power leaves the old file or the new one
+    quick,   // a power loss may destroy the file: for files that are checked on reading and can be
+             // rebuilt
+    durable, // a power loss leaves the old file or the new one
 };
 
-// Write a file beside the old one and rename it when it is complete. Throws Error.
+// Write a file next to the old one and rename it when it is complete. Throws Error.
 void replace_file(const std::string &path, const std::string &bytes,
                   Durability durability = Durability::durable);
 

@@ -1,4 +1,4 @@
-// Activations of many frames, kept in memory so that the network need not run a second time.
+// Activations of many frames, kept in memory so that the network need not run again.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 namespace vdna::record
 {
 
-// Keeps the activations of every frame, or, once they would pass the limit, of none.
+// Keeps the activations of every frame, or of none once they would exceed the limit.
 class ActivationStore
 {
   public:
@@ -23,7 +23,7 @@ class ActivationStore
 
   private:
     struct Tap {
-        vdna_activations shape; // its `values` is not used
+        vdna_activations shape; // its `values` is unused
         std::vector<float> values;
     };
     size_t limit_;

@@ -14,12 +14,12 @@ namespace
 
 double places_apart(int64_t a, int64_t b)
 {
-    // The difference of two int64 fits only the unsigned type.
+    // The difference of two int64 needs the unsigned type.
     const uint64_t high = static_cast<uint64_t>(std::max(a, b));
     return static_cast<double>(high - static_cast<uint64_t>(std::min(a, b)));
 }
 
-// Where live frame i is found; whether that is right is not yet asked.
+// The nearest frame of live frame i, not yet judged.
 Match match_of(const vdna_experience &experience, const Recording &live, uint32_t i,
                std::vector<vdna_knn_match> &nearest)
 {

@@ -8,7 +8,7 @@ namespace vdna::record
 namespace
 {
 
-// So much memory may be spent on not running the network twice.
+// Memory limit for activations, which save a second run of the network.
 constexpr size_t activation_bytes_max = size_t{512} << 20;
 
 void count(Draft &draft, const Pass &pass)
@@ -85,7 +85,7 @@ void Maker::count_stored(std::vector<Draft> &drafts) const
         }
 }
 
-// The second pass over the network, where there are too many activations to keep.
+// The second pass through the network, needed if there were too many activations to keep.
 void Maker::count_again(Draft &draft)
 {
     for (Pass pass(draft.source, options_, backbone_); pass.next();)

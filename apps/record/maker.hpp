@@ -1,4 +1,4 @@
-// From sources of frames to experiences of one map.
+// Makes experiences of one map from sources of frames.
 #pragma once
 
 #include <optional>
@@ -18,9 +18,9 @@
 namespace vdna::record
 {
 
-// One experience: what it is made from, and, once it is made, all that its file holds.
+// One experience: its source, and once it is made, the contents of its file.
 struct Draft {
-    std::string source; // as for frames::Source
+    std::string source; // path, as for frames::Source
     std::string name;   // of the experience, passes vdna_name_check()
     Recording recording;
     std::optional<Histogram> histogram; // once the ranges are known
@@ -32,21 +32,21 @@ class Maker
     // backbone, options: borrowed.
     Maker(Backbone &backbone, const frames::SourceOptions &options, uint32_t bins);
 
-    // Count in these ranges; without them make() calibrates its own. At most once.
+    // Use these ranges; without them make() calibrates its own. Call at most once.
     void use(Ranges ranges) { ranges_ = std::move(ranges); }
 
-    // Make all of them. Calibrating, the activations are kept for the counting if they fit into
-    // memory, otherwise the network runs twice. range_rule: VDNA_RANGE_ABOUT_... of a calibration.
-    // Throws Error, also for a source without a usable frame.
+    // Make all drafts. A calibration keeps the activations for counting if they fit into memory;
+    // otherwise the network runs twice. range_rule: VDNA_RANGE_ABOUT_... of a calibration. Throws
+    // Error, also for a source without a usable frame.
     void make(std::vector<Draft> &drafts, uint32_t range_rule);
 
-    // All but name and frames; the range is borrowed from this maker and NULL before it is known.
+    // Everything except name and frames; the range is borrowed, and NULL until it is known.
     vdna_experience blank() const;
-    // As its file will be; borrowed from this maker and the draft.
+    // The contents of the file to write; borrowed from this maker and the draft.
     vdna_experience experience_of(const Draft &draft) const;
 
     uint32_t bins() const { return bins_; }
-    // "calibration", or where they came from.
+    // "calibration", or the file of the ranges.
     const std::string &ranges_origin() const { return ranges_.origin; }
 
   private:

@@ -1,4 +1,4 @@
-// New experiences of a map, which is made if it is not there yet.
+// New experiences of a map, which is created if it does not exist.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace vdna::record
 class MapChange
 {
   public:
-    // Makes the directory if it does not exist; it goes away again unless something is committed.
+    // Creates the directory if it does not exist, and removes it again unless commit() succeeds.
     // Throws Error.
     explicit MapChange(const std::filesystem::path &map);
     ~MapChange();

@@ -20,8 +20,8 @@ class Pass
     // backbone: borrowed. Throws Error as Source does.
     Pass(const std::string &path, const frames::SourceOptions &options, Backbone &backbone);
 
-    // Run the next usable frame; false at the end. A frame that cannot be used is an Error, or
-    // counted as bad and passed over if the options say so.
+    // Run the next usable frame; false at the end. Throws Error for an unusable frame, or counts
+    // and skips it if options.skip_bad is set.
     bool next();
     const frames::Frame &frame() const { return frame_; }
     // Borrowed until next().

@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char *format_name = "vdna-ranges";
 constexpr int format_version = 1;
 
-// Ranges that are made with this network, whatever is known of its bins.
+// Ranges made with this network; its bins do not matter.
 Ranges ranges_of(const std::string &origin, const vdna_identity &identity,
                  std::vector<float> values)
 {
@@ -40,7 +40,7 @@ Ranges from_experience(const std::string &path)
                      {identity.range, identity.range + size_t{2} * identity.neurons});
 }
 
-// A text of a ranges file that goes into a field of fixed size.
+// Copy a text of a ranges file into a field of fixed size.
 template <size_t Room>
 void copy_text(const std::string &path, const char *key, const std::string &text, char (&out)[Room])
 {
@@ -109,7 +109,7 @@ Ranges read_ranges(const std::string &path)
     try {
         return from_json(path, Json::parse(stream));
     } catch (const Json::parse_error &e) {
-        // Not its text, which repeats bytes of the file.
+        // The parser's message repeats bytes of the file, so leave it out.
         throw Error(path + ": not JSON at byte " + std::to_string(e.byte) +
                     "; expected a ranges file of `vdna calibrate` or an experience file");
     } catch (const Json::exception &e) {

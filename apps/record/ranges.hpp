@@ -1,4 +1,4 @@
-// Ranges with the backbone that they belong to; read from and written to ranges files.
+// Ranges and their backbone, read from and written to ranges files.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +11,24 @@
 namespace vdna::record
 {
 
-// A range table and what it was calibrated with.
+// A range table and the network it was calibrated with.
 struct Ranges {
-    std::string origin;        // for complaints: the file it came from, or "calibration"
-    vdna_identity identity;    // bins and range are not known; dim may be so
+    std::string origin;        // for complaints: the file, or "calibration"
+    vdna_identity identity;    // bins and range are unknown; dim may be known
     std::vector<float> values; // [neurons][2]
 };
 
 // How observed minima and maxima become ranges: "midpoint" or "zero".
 extern const char *const range_rules[2]; // indexed by VDNA_RANGE_ABOUT_...
 
-// Minima and maxima over frames, for ranges to come.
+// Minima and maxima over frames, from which ranges are made.
 class Calibration
 {
   public:
     explicit Calibration(const vdna_backbone_info &backbone);
     // where: names the frame in complaints.
     void observe(const vdna_backbone_frame &frame, const std::string &where);
-    // rule: VDNA_RANGE_ABOUT_...; at least one frame was observed.
+    // rule: VDNA_RANGE_ABOUT_...; requires at least one observed frame.
     Ranges ranges(uint32_t rule) const;
 
   private:
@@ -38,7 +38,7 @@ class Calibration
 // Read a ranges file, or take the ranges of an experience file. Throws Error.
 Ranges read_ranges(const std::string &path);
 
-// Write a ranges file, whole or not at all. Throws Error.
+// Write a ranges file atomically. Throws Error.
 void write_ranges(const Ranges &ranges, uint32_t rule, const std::string &path);
 
 // Throw Error, naming the field and the remedy, unless these ranges were made with `backbone`.

@@ -1,4 +1,4 @@
-// What is kept of the frames of one source: all but the histogram of an experience.
+// The frames of one source: everything in an experience except the histogram.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace vdna::record
 // frames carry no such labels.
 struct Recording {
     uint32_t frames = 0;
-    uint64_t bad = 0;              // frames that could not be used
+    uint64_t bad = 0;              // unusable frames
     std::vector<uint64_t> index;   // [frames], in the source
     std::vector<int64_t> utime;    // [frames], microseconds
     std::vector<int64_t> place;    // [frames]
@@ -21,9 +21,9 @@ struct Recording {
     std::vector<float> grey;       // [frames], 0..255
     std::vector<float> embeddings; // [frames][dim]
 
-    // Append the frame that `pass` is at.
+    // Append the current frame of `pass`.
     void add(const Pass &pass);
-    // Append a frame and what the network made of it.
+    // Append a frame and its network output.
     void add(const frames::Frame &frame, const vdna_backbone_frame &output);
 };
 

@@ -1,4 +1,4 @@
-// How long the warmup is: the first frames or seconds of a live source.
+// Length of the warmup: the first frames or seconds of a live source.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 namespace vdna::record
 {
 
-// "42" frames or "4.5s" of camera time, more than nothing. Throws Error.
+// "42" frames or "4.5s" of camera time, > 0. Throws Error.
 Warmup warmup_of(const std::string &text);
 
 } // namespace vdna::record

@@ -1,4 +1,4 @@
-// Tables of errors: of all methods, and of the ablations.
+// Error tables of all methods and of the ablations.
 #include "eval/methods.hpp"
 #include "report/html.hpp"
 #include "report/sections.hpp"
@@ -40,7 +40,7 @@ std::string table_of(const eval::Ablation &ablation)
 {
     std::vector<std::string> titles = {ablation.kind};
     for (const eval::MethodResult &method : ablation.rows.front().methods)
-        if (!eval::is_of_tap(method.name)) // a column for each of many taps would be too many
+        if (!eval::is_of_tap(method.name)) // many taps would need too many columns
             titles.insert(titles.end(), {eval::title_of(method.name) + ": error, %", "regret, %"});
     std::string body;
     for (const eval::AblationRow &row : ablation.rows) {
@@ -60,8 +60,8 @@ std::string averages_section(const eval::Evaluation &evaluation)
 {
     const std::string explanation =
         "<p>Errors are in percentage points of Recall@1, averaged over all queries; lower is "
-        "better. <b>Swap-once</b> is the paper's ranking error: each pair of references that "
-        "stand in each other's place costs the difference of their recalls. <b>Half-L1</b> is "
+        "better. <b>Swap-once</b> is the paper's ranking error: each pair of swapped "
+        "references costs the difference of their recalls. <b>Half-L1</b> is "
         "half of the recall difference summed over all ranks. <b>Regret</b> is the recall lost by "
         "taking the first choice instead of the best. <b>Kendall tau</b> is 1 for the true order "
         "and -1 for its reverse. The <b>correlations</b> of distance and recall are best at -1: "
@@ -81,7 +81,7 @@ std::string ablations_section(const std::vector<eval::Ablation> &ablations)
 {
     if (ablations.empty())
         return "";
-    std::string html = "<h2>What if one thing were different?</h2>";
+    std::string html = "<h2>Ablations</h2>";
     for (const eval::Ablation &ablation : ablations)
         html += table_of(ablation);
     return html;

@@ -12,10 +12,10 @@ namespace vdna::report
 namespace
 {
 
-// In units of the drawing, which is scaled to the room that the page has.
+// In drawing units; the drawing is scaled to the space on the page.
 constexpr double width = 360, height = 250;
 constexpr double left = 48, right = 10, top = 10, bottom = 42;
-constexpr size_t points_of_a_curve = 200; // more cannot be told apart
+constexpr size_t points_of_a_curve = 200; // more are indistinguishable
 
 struct Axis {
     std::string label;
@@ -24,7 +24,7 @@ struct Axis {
     // 0..1
     double share(double value) const { return (value - low) / (high - low); }
 
-    // 1, 2 or 5 times a power of ten; at most five of them fill the axis.
+    // 1, 2 or 5 times a power of ten; the axis has at most five steps.
     double step() const
     {
         const double rough = (high - low) / 5;
@@ -116,7 +116,7 @@ std::string polyline(const Axis &x, const Axis &y, const std::vector<double> &he
     std::string points;
     const size_t count = std::min(heights.size(), points_of_a_curve);
     for (size_t i = 0; i < count; i++) {
-        // The first and the last are always among them.
+        // Always include the first and the last.
         const size_t at = count > 1 ? i * (heights.size() - 1) / (count - 1) : 0;
         points += program::fixed(x_of(x, static_cast<double>(at + 1)), 1) + "," +
                   program::fixed(y_of(y, heights[at]), 1) + " ";

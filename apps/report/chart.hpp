@@ -9,8 +9,8 @@ namespace vdna::report
 
 struct Point {
     double x, y;
-    size_t series;     // what gives it its colour
-    std::string label; // shown when pointed at
+    size_t series;     // determines the colour
+    std::string label; // tooltip
 };
 
 struct Curve {
@@ -18,7 +18,7 @@ struct Curve {
     std::vector<double> heights; // at 1, 2, ...; at least one
 };
 
-// The colour of one series among several: of a point, a curve, or a mark in a legend.
+// The colour of one series among several, for points, curves and the legend.
 std::string series_colour(size_t series, size_t count);
 
 // y from 0 to y_end.

@@ -1,4 +1,4 @@
-// Does a small distance mean a high recall?
+// Correlation of distance and recall.
 #include <cmath>
 
 #include "eval/methods.hpp"
@@ -66,8 +66,8 @@ std::string correlation_section(const eval::Evaluation &evaluation)
     for (const eval::MethodResult &method : evaluation.methods)
         if (!method.distance.empty())
             charts += figure(evaluation, method);
-    return "<h2>Distance against recall</h2><p>A dot for each query and reference; its name shows "
-           "when it is pointed at. A good method puts them on a falling line: the smaller the "
+    return "<h2>Distance against recall</h2><p>One dot per query and reference; point at a dot to "
+           "see its name. For a good method, the dots lie on a falling line: the smaller the "
            "distance, the more frames are localised.</p>" +
            legend(evaluation) + element("div class=\"charts\"", charts);
 }

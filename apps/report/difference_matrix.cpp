@@ -16,9 +16,9 @@ namespace vdna::report
 namespace
 {
 
-// The matrices are held in memory all at once, because they share one scale.
+// All matrices are in memory at once, because they share one scale.
 constexpr uint64_t cells_max = uint64_t{1} << 27;
-// The longest side of all matrices is brought into these limits, in pixels.
+// The longest side of all matrices is scaled into these limits, in pixels.
 constexpr uint32_t side_min = 600, side_max = 1600;
 constexpr int margin = 16, title_height = 44, width_min = 260; // pixels
 
@@ -84,7 +84,7 @@ std::string title_of(const record::Localisation &localisation)
     return text;
 }
 
-// Pixels per cell: whole ones, or less than one where there are so many that they are averaged.
+// Pixels per cell: an integer, or less than one if there are so many cells that they are averaged.
 double zoom_of(const record::Recording &live,
                const std::vector<const vdna_experience *> &experiences)
 {

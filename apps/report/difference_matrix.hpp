@@ -1,4 +1,4 @@
-// A picture of how live frames and map frames differ.
+// Picture of the differences between live frames and map frames.
 #pragma once
 
 #include <string>

@@ -9,7 +9,7 @@ namespace vdna::report
 
 std::string escaped(const std::string &text)
 {
-    // Names of files are any bytes; going through JSON replaces what is not UTF-8.
+    // File names may be any bytes; JSON replaces invalid UTF-8.
     const std::string json =
         program::Json(text).dump(-1, ' ', false, program::Json::error_handler_t::replace);
     std::string html;

@@ -6,21 +6,21 @@
 namespace vdna::report
 {
 
-// For content and for attributes in double quotes; bytes that are not UTF-8 are replaced.
+// For content and for attributes in double quotes; invalid UTF-8 is replaced.
 std::string escaped(const std::string &text);
 
 // tag: with its attributes, "td class=\"off1\"".
 std::string element(const std::string &tag, const std::string &html);
 std::string text_element(const std::string &tag, const std::string &text);
 
-// A table of rows (<tr>), which scrolls within its own box where it is wider than the page.
+// A table of rows (<tr>), which scrolls in its own box if it is wider than the page.
 std::string table(const std::string &caption_html, const std::string &head_html,
                   const std::string &body_html);
 
-// A part of the page that can be folded.
+// A foldable part of the page.
 std::string foldable(const std::string &summary_html, bool open, const std::string &html);
 
-// "12.35", or a dash for a number that is not defined.
+// "12.35", or a dash for an undefined number.
 std::string number_text(double value, int digits);
 
 } // namespace vdna::report

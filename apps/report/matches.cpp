@@ -1,4 +1,4 @@
-// Right and wrong matches, to look at.
+// Pictures of right and wrong matches.
 #include <algorithm>
 
 #include "eval/localise_query.hpp"
@@ -18,7 +18,7 @@ namespace
 
 constexpr size_t matches_of_a_kind = 3;
 
-// Right or wrong ones, spread evenly over the drive.
+// Right or wrong matches, spread evenly over the drive.
 std::vector<eval::FrameMatch> picked(const std::vector<eval::FrameMatch> &matches, bool good)
 {
     std::vector<eval::FrameMatch> all, few;
@@ -67,7 +67,7 @@ std::string matches_of(const eval::Evaluation &evaluation, const eval::QueryResu
     return html;
 }
 
-// What Visual DNA would choose for this query.
+// The reference that Visual DNA chooses for this query.
 const eval::PairResult &first_choice(const eval::Evaluation &evaluation, size_t query)
 {
     const size_t reference =
@@ -83,7 +83,7 @@ std::string matches_section(const eval::Evaluation &evaluation)
 {
     std::string html = "<h2>Right and wrong matches</h2><p>Live frames (left) and the nearest "
                        "frames (right) of the reference that Visual DNA chooses first. A match is "
-                       "right within the " +
+                       "right if it is within the " +
                        escaped(tolerance_text(evaluation)) + ".</p>";
     const size_t shown = std::min(evaluation.queries.size(), shown_most);
     for (size_t q = 0; q < shown; q++) {

@@ -16,11 +16,11 @@ namespace
 {
 
 constexpr int side = 220;       // pixels
-constexpr int small_side = 110; // where there are many matrices
+constexpr int small_side = 110; // if there are many matrices
 constexpr size_t many = 24;     // pairs
 constexpr double far_tolerances = 3;
 
-// Of a long traversal, as many live frames as a picture has rows, evenly.
+// For a long traversal, sample evenly as many live frames as a picture has rows.
 eval::QueryResult sampled(const eval::QueryResult &query)
 {
     eval::QueryResult sample{
@@ -31,7 +31,7 @@ eval::QueryResult sampled(const eval::QueryResult &query)
     return sample;
 }
 
-// The same shades for all references of a query, so that they can be compared.
+// Use the same shades for all references of a query, so that they can be compared.
 void stretch(std::vector<Shades> &matrices)
 {
     float low = matrices[0].values[0], high = low;
@@ -86,13 +86,13 @@ std::string matrices_of(const eval::Evaluation &evaluation, const eval::QueryRes
 std::string matrices_section(const eval::Evaluation &evaluation)
 {
     std::string html =
-        "<h2>Difference matrices</h2><p>Upper picture: how far apart the network finds each live "
-        "frame (from top to bottom) and each map frame (from left to right); near is black, far "
-        "is white, with the same shades for all references of a query. Lower picture: the truth, "
-        "black where both were taken at the same place, white from " +
+        "<h2>Difference matrices</h2><p>Upper picture: the distance of the embeddings of each "
+        "live frame (from top to bottom) and each map frame (from left to right); near is black, "
+        "far is white, with the same shades for all references of a query. Lower picture: the "
+        "ground truth, black if both frames were taken at the same place, white from " +
         program::fixed(far_tolerances, 0) +
-        " tolerances on. Where the dark line of the lower picture shows in the upper one, the "
-        "place can be recognised.</p>";
+        " tolerances on. If the dark line of the lower picture also shows in the upper one, the "
+        "places can be recognised.</p>";
     const size_t shown = std::min(evaluation.queries.size(), shown_most);
     const size_t pairs = shown * std::min(evaluation.references.size(), shown_most);
     for (size_t q = 0; q < shown; q++) {

@@ -1,4 +1,4 @@
-// What each neuron contributes to the distance of Visual DNA.
+// The contribution of each neuron to the distance of Visual DNA.
 #include <algorithm>
 #include <functional>
 
@@ -60,7 +60,7 @@ std::string chart_of(const eval::Evaluation &evaluation, const Extremes &extreme
                                                            " farthest " + key(*extremes.far, 1)));
 }
 
-// A number with a bar as long as it is large.
+// A number with a bar of proportional length.
 std::string bar_cell(double value, double longest)
 {
     return element("td class=\"number\"",
@@ -71,7 +71,7 @@ std::string bar_cell(double value, double longest)
                        "\" height=\"8\"/></svg>");
 }
 
-// The neurons that tell the nearest from the farthest best.
+// The neurons that best tell the nearest reference from the farthest.
 std::string table_of(const eval::Evaluation &evaluation, const Extremes &extremes)
 {
     const std::vector<double> &near = extremes.near->neuron_emd_bins;
@@ -107,11 +107,11 @@ std::string table_of(const eval::Evaluation &evaluation, const Extremes &extreme
 std::string neurons_section(const eval::Evaluation &evaluation)
 {
     std::string html =
-        "<h2>What single neurons contribute</h2><p>The distance of Visual DNA is the mean of one "
-        "Earth Mover's Distance (EMD) per neuron: by how many of the " +
+        "<h2>Contributions of single neurons</h2><p>The distance of Visual DNA is the mean of one "
+        "Earth Mover's Distance (EMD) per neuron: the mean number of histogram bins, of " +
         std::to_string(evaluation.bins) +
-        " histogram bins its activations in the warmup must be moved to become those of the "
-        "reference. Here for the nearest and the farthest reference of each query.</p>";
+        ", by which its activations in the warmup must move to match those of the "
+        "reference. This section shows the nearest and the farthest reference of each query.</p>";
     const size_t shown = std::min(evaluation.queries.size(), shown_most);
     for (size_t q = 0; q < shown; q++) {
         const Extremes extremes = extremes_of(evaluation, q);

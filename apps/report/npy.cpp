@@ -8,7 +8,7 @@ namespace vdna::report
 namespace
 {
 
-// The numbers are written as they lie in memory; all our machines are little-endian ('<').
+// Numbers are written as they are in memory; all our machines are little-endian ('<').
 template <typename Number>
 void write(const std::string &path, const char *type, const std::vector<size_t> &shape,
            const std::vector<Number> &values)
@@ -18,7 +18,7 @@ void write(const std::string &path, const char *type, const std::vector<size_t> 
     for (const size_t side : shape)
         header += std::to_string(side) + ", ";
     header += "), }";
-    // Magic, version, length and header together are a multiple of 64 bytes, ending in a newline.
+    // Magic, version, length and header add up to a multiple of 64 bytes and end in a newline.
     constexpr size_t before = 10;
     header.append(63 - (before + header.size()) % 64, ' ');
     header += '\n';

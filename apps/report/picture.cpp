@@ -49,7 +49,7 @@ struct CloseDecoder {
     void operator()(vdna_decoder *decoder) const { vdna_decoder_close(decoder); }
 };
 
-// As the network sees it. An empty picture if the file is not readable or not a picture.
+// The picture as the network sees it; empty if the file is unreadable or not a picture.
 cv::Mat read_pixels(const std::filesystem::path &file)
 {
     vdna_decoder *opened = nullptr;
@@ -64,7 +64,7 @@ cv::Mat read_pixels(const std::filesystem::path &file)
         vdna_pixels pixels;
         if (vdna_decoder_decode(decoder.get(), &image, nullptr, &pixels) != VDNA_OK)
             return {};
-        // Both kinds of files are BGR.
+        // Pixels of either kind of file are BGR.
         return cv::Mat(static_cast<int>(pixels.height), static_cast<int>(pixels.width), CV_8UC3,
                        const_cast<uint8_t *>(pixels.data), pixels.stride)
             .clone();

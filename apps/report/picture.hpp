@@ -1,4 +1,4 @@
-// Pictures within the page: <img> elements with data: URIs.
+// Pictures in the page: <img> elements with data: URIs.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,18 @@
 namespace vdna::report
 {
 
-// A table of numbers to be shown as shades.
+// A table of numbers to show as shades.
 struct Shades {
     size_t rows, columns;
     std::vector<float> values; // [rows][columns]
-    double black, white;       // the values that are shown so; black < white
+    double black, white;       // the values shown as black and white; black < white
 };
 
-// text: what the picture shows, for those who cannot see it.
-// side: the largest width and height in pixels; what is larger is averaged down.
+// text: alternative text that describes the picture.
+// side: the largest width and height in pixels; larger tables are averaged down.
 std::string shades_picture(const Shades &shades, int side, const std::string &text);
 
-// A small JPEG of a picture file; where that cannot be read any more, a sentence that says so.
+// A small JPEG of a picture file, or a sentence that the file can no longer be read.
 std::string photo(const std::filesystem::path &file, const std::string &text);
 
 } // namespace vdna::report

@@ -14,7 +14,7 @@ namespace vdna::report
 namespace
 {
 
-// Colours alone would not tell everybody: the number of ranks stands beside them.
+// Not everybody can tell the colours apart, so add the number of ranks.
 std::string mark_of(uint32_t off)
 {
     return off == 0 ? "" : " " + text_element("b", "\u2195" + std::to_string(off));
@@ -84,10 +84,9 @@ std::string method_table(const eval::Evaluation &evaluation, const eval::MethodR
 std::string rankings_section(const eval::Evaluation &evaluation)
 {
     std::string html =
-        "<h2>Rankings</h2><p>A column for each query, its references from best to worst. The first "
-        "table is the truth, with the recall in all references at once beside the query's name; "
-        "the "
-        "others are what each method predicts from the warmup alone.</p>"
+        "<h2>Rankings</h2><p>Each column lists the references of a query from best to worst. The "
+        "first table is the ground truth, with the recall in all references at once beside the "
+        "query's name; the others are the predictions of each method from the warmup alone.</p>"
         "<p class=\"legend\"><span class=\"one\">orange <b>\u21951</b></span> one rank away from "
         "its true place; <span class=\"more\">red <b>\u21952</b></span> two or more.</p>" +
         true_table(evaluation);

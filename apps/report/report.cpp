@@ -16,7 +16,7 @@ namespace vdna::report
 namespace
 {
 
-// The sentence to take away.
+// The main result in one sentence.
 std::string result_of(const eval::Evaluation &evaluation)
 {
     const vdna_ranking_metrics &ours = evaluation.methods.front().metrics;
@@ -40,13 +40,13 @@ std::string headline(const eval::Evaluation &evaluation)
            text_element("p class=\"result\"", result_of(evaluation)) +
            "<p>A robot has driven the same route several times, in different conditions: these "
            "are its <i>references</i>. It drives again: this is the <i>query</i>. Which reference "
-           "is the best map to find its way with? Each method answers from the first frames of "
-           "the query alone, the <i>warmup</i>. Then the remaining frames are localised in every "
-           "reference, and <i>Recall@1</i>, the share of frames that are found at the right "
-           "place, tells what would have been the best answer.</p>";
+           "is the best map for this drive? Each method answers from the first frames of the "
+           "query alone, the <i>warmup</i>. Then the remaining frames are localised in every "
+           "reference, and <i>Recall@1</i>, the share of frames found at the right place, gives "
+           "the best answer.</p>";
 }
 
-// Sections with a part for each query leave some out where there are many.
+// Sections with a part for each query show only the first of many queries.
 std::string omission(const eval::Evaluation &evaluation)
 {
     if (std::max(evaluation.queries.size(), evaluation.references.size()) <= shown_most)
@@ -100,7 +100,7 @@ std::string making_section(const eval::Evaluation &evaluation, const std::string
 std::string report_of(const eval::Evaluation &evaluation,
                       const std::vector<eval::Ablation> &ablations, const std::string &command_line)
 {
-    // The policy keeps the page from fetching anything, whatever a name in it may contain.
+    // The policy keeps the page from fetching anything, whatever names it contains.
     const std::string head =
         "<meta charset=\"utf-8\">\n"
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "

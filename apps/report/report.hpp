@@ -1,4 +1,4 @@
-// An evaluation as one page that can be sent to somebody: HTML with everything it needs in it.
+// An evaluation as one self-contained HTML page.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 namespace vdna::report
 {
 
-// The page. No scripts, nothing fetched; pictures that cannot be read any more are said to be so.
-// command_line: of the run, for whoever wants to repeat it.
+// The page has no scripts and fetches nothing; a note replaces pictures that cannot be read.
+// command_line: of the run, so that it can be repeated.
 std::string report_of(const eval::Evaluation &evaluation,
                       const std::vector<eval::Ablation> &ablations,
                       const std::string &command_line);

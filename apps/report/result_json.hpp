@@ -11,10 +11,10 @@
 namespace vdna::report
 {
 
-// {"ranking_error_swap_once": ..., ...}; what is not defined is null.
+// {"ranking_error_swap_once": ..., ...}; undefined metrics are null.
 program::Json json_of(const vdna_ranking_metrics &metrics);
 
-// "recall" and "distance" are what `vdna metrics` reads.
+// `vdna metrics` reads "recall" and "distance".
 program::Json json_of(const eval::Evaluation &evaluation,
                       const std::vector<eval::Ablation> &ablations);
 

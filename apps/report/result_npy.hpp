@@ -8,9 +8,9 @@
 namespace vdna::report
 {
 
-// Into a directory, made if missing; a '/' in a traversal's name becomes '_' in file names:
+// Files in a directory, created if missing; '/' in a traversal's name becomes '_' in file names:
 //   index.json                         names of the queries and references: rows and columns
-//   recall.npy, distance_METHOD.npy    [queries][references], NaN where there is no pair
+//   recall.npy, distance_METHOD.npy    [queries][references], NaN without a pair
 //   embeddings_TRAVERSAL.npy           [frames][dim], descriptors
 //   grey_, place_ or position_TRAVERSAL.npy  [frames] or [frames][3]
 //   difference_QUERY_REFERENCE.npy     [live frames][map frames]

@@ -14,7 +14,7 @@ namespace vdna::report
 namespace
 {
 
-constexpr size_t line_width = 100; // tables that are wider are broken into several
+constexpr size_t line_width = 100; // wider tables are split
 
 // Short enough to compare at a glance, long enough not to hide a difference.
 std::string distance_text(double value)
@@ -22,12 +22,12 @@ std::string distance_text(double value)
     return program::fixed(value, std::abs(value) < 1 ? 3 : 2);
 }
 
-// Queries that fit on a line, [begin, end), of one group.
+// Queries of one group that fit on a line, [begin, end).
 struct Block {
     size_t begin, end;
 };
 
-// What a column needs: "98.98 - summer **".
+// The width of a column: "98.98 - summer **".
 size_t column_width(const eval::Evaluation &evaluation)
 {
     size_t longest = 0;
@@ -62,7 +62,7 @@ std::string stars_of(uint32_t off)
     return off == 0 ? "" : off == 1 ? " *" : " **";
 }
 
-// Rankings as columns. Text: of a place's value.
+// Rankings as columns. Text: formats the value of a place.
 template <typename Text>
 void add_places(const eval::Evaluation &evaluation,
                 const std::vector<std::vector<eval::Place>> &columns, bool colour, Text text,
@@ -116,7 +116,7 @@ std::string method_table(const eval::Evaluation &evaluation, const Block &block,
     return table.text();
 }
 
-// Live frames that could not be localised however well: one line per query.
+// Unreachable live frames, one line per query.
 std::string unreachable_text(const eval::Evaluation &evaluation)
 {
     std::string text;
@@ -134,7 +134,7 @@ std::string unreachable_text(const eval::Evaluation &evaluation)
                         : "\nLive frames without a map frame within tolerance (failures)\n" + text;
 }
 
-// Without zeros that say nothing.
+// Without trailing zeros.
 std::string shortest(double value)
 {
     char text[32];

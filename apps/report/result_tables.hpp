@@ -10,9 +10,9 @@
 namespace vdna::report
 {
 
-// Per query the references by recall, then by each method; and the errors of the methods.
-// colour: misplaced ones are orange (one rank off) and red (two or more) as in the paper, by the
-// escape sequences of terminals; otherwise they are marked * and **.
+// For each query, the references by recall, then by each method; and the errors of the methods.
+// colour: show misplaced references in orange (one rank off) and red (two or more) as in the paper,
+// with terminal escape sequences; otherwise mark them * and **.
 std::string tables_of(const eval::Evaluation &evaluation, bool colour);
 
 // One line per method.

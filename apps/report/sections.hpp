@@ -10,23 +10,23 @@
 namespace vdna::report
 {
 
-// Sections with a part for each query show so many of them, and so many references for each: what
-// a reader can compare, and what keeps the page small.
+// Maximum number of queries, and of references for each, in sections with a part per query. More
+// would be hard to compare and make the page large.
 constexpr size_t shown_most = 12;
 
 // How well each method ranks, one row per method.
 std::string averages_section(const eval::Evaluation &evaluation);
 
-// The true ranking of each query, and that of each method with its mistakes.
+// The true ranking of each query, and the ranking of each method with its mistakes.
 std::string rankings_section(const eval::Evaluation &evaluation);
 
 // Difference and ground-truth matrices.
 std::string matrices_section(const eval::Evaluation &evaluation);
 
-// Distance against recall, a chart per method.
+// Distance against recall, with a chart per method.
 std::string correlation_section(const eval::Evaluation &evaluation);
 
-// Pictures of right and wrong matches in the first choice. Reads pictures.
+// Pictures of right and wrong matches in the first choice. Reads picture files.
 std::string matches_section(const eval::Evaluation &evaluation);
 
 // Which neurons tell the references apart.

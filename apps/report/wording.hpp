@@ -1,4 +1,4 @@
-// What things are called in the report.
+// Common phrases of the report.
 #pragma once
 
 #include <string>

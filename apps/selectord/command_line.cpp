@@ -14,7 +14,7 @@ namespace vdna::selectord
 namespace
 {
 
-// What was given; it overrides the file, wherever it stands on the line.
+// The given options; they override the file, regardless of their order.
 struct Options {
     std::string file;
     std::optional<std::string> map, backbone, url;
@@ -26,15 +26,15 @@ const char *const footer = R"(
 Camera frames (bot_core.image_t) come in over LCM. The first ones are compared with the Visual DNA
 of every experience of the map; the nearest experience is chosen and later frames are localised in
 it. Answers go out on the channels of the [lcm] section; see --print-config for all settings.
-Memory is fixed before it runs: --print-memory states it, [memory] budget_mb limits it; [cpu] says
-where it runs.
+Memory is fixed before it runs: --print-memory states it, [memory] budget_mb limits it; [cpu] sets
+the processors.
 
-Prints "READY ..." on standard output when it listens, events on standard error.
-SIGTERM and SIGINT end it at once; `vdna command reset` makes it choose anew.
+Prints "READY ..." on standard output once it listens, and events on standard error.
+SIGTERM and SIGINT end it at once; `vdna command reset` makes it choose again.
 
 Exit codes: 0 stopped by a signal, or --check found no fault; 1 the map, the network or the LCM
-connection cannot be used, or the system does not give the memory or the processors that are asked
-for; 2 the command line or the configuration file is wrong.
+connection cannot be used, or the system refuses the requested memory or processors; 2 the command
+line or the configuration file is wrong.
 
 Example: vdna_selectord --map ~/maps/campus --warmup-frames 50 -l )" VDNA_LCM_URL;
 
@@ -60,7 +60,7 @@ void describe(CLI::App &app, Options &options, Invocation &invocation)
     app.add_option("--map", options.map, "Directory of experience files")->type_name("DIR");
     app.add_option(
            "--backbone", options.backbone,
-           "Network that the map was made with: a name, or a path of a .toml or of a plug-in, "
+           "Network the map was built with: a name, or the path of a .toml or of a plug-in, "
            "./libNAME.so")
         ->type_name("NAME|FILE");
     CLI::Option *frames =
@@ -77,10 +77,10 @@ void describe(CLI::App &app, Options &options, Invocation &invocation)
     app.add_flag("--print-config", invocation.print_config,
                  "Print the settings in force as TOML and exit");
     app.add_flag("--check", invocation.check,
-                 "Open the map and the network, say whether they fit, and exit");
+                 "Open the map and the network, report whether they fit, and exit");
     CLI::Option *memory =
         app.add_flag("--print-memory", invocation.print_memory,
-                     "Open them as well, state all memory that will be held, and exit");
+                     "Also open map and network, state all memory that will be held, and exit");
     app.add_flag("--json", invocation.json, "With --print-memory: as JSON")->needs(memory);
     app.set_version_flag("--version", std::string("vdna_selectord ") + vdna_version());
     app.footer(footer);
@@ -90,8 +90,8 @@ void describe(CLI::App &app, Options &options, Invocation &invocation)
 
 std::optional<Invocation> read_command_line(int argc, const char *const *argv)
 {
-    CLI::App app("Chooses, onboard and live, the recorded experience that fits the conditions of "
-                 "today, and localises in it.",
+    CLI::App app("Chooses, onboard and live, the recorded experience that fits the current "
+                 "conditions, and localises in it.",
                  "vdna_selectord");
     Options options;
     Invocation invocation;

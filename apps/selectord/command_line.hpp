@@ -8,16 +8,16 @@
 namespace vdna::selectord
 {
 
-// What the daemon was asked to do.
+// The task of the daemon.
 struct Invocation {
-    Config config; // defaults, overridden by the file, overridden by options
+    Config config; // defaults, overridden by the file, then by options
     bool print_config = false;
     bool check = false;
     bool print_memory = false;
     bool json = false; // with print_memory
 };
 
-// Nothing if --help or --version was asked for and has been answered. Throws Error.
+// Nothing after answering --help or --version. Throws Error.
 std::optional<Invocation> read_command_line(int argc, const char *const *argv);
 
 } // namespace vdna::selectord

@@ -26,8 +26,8 @@ namespace
 using Member = std::variant<std::string Config::*, uint32_t Config::*, int32_t Config::*,
                             double Config::*, bool Config::*>;
 
-// One key of the file. The limits are those of the number, or of the text's length in bytes; a
-// truth value has none.
+// One key of the file. The limits apply to a number, or to the length of a text in bytes; a boolean
+// has none.
 struct Setting {
     const char *section;
     const char *key;
@@ -86,7 +86,7 @@ std::string describe_found(const toml::node &node)
 {
     std::ostringstream out;
     if (node.is_table() || node.is_array())
-        out << "an " << node.type(); // its content may be long
+        out << "an " << node.type(); // its contents may be long
     else
         node.visit([&](const auto &value) { out << value; });
     return node.is_table() ? "a table" : out.str();
@@ -109,11 +109,11 @@ bool is_within(const Setting &setting, double number)
     return number >= setting.least && number <= setting.most; // false for NaN
 }
 
-// Take the value of a node if it has the setting's type and is within its limits.
+// Store the value of a node if it has the setting's type and is within its limits.
 bool take(const toml::node &node, const Setting &setting, std::string &out)
 {
     const toml::value<std::string> *text = node.as_string();
-    // A NUL would cut the text short where it is handed to C.
+    // A NUL would truncate the text when passed to C.
     if (!text || !is_within(setting, static_cast<double>(text->get().size())) ||
         text->get().find('\0') != std::string::npos)
         return false;
@@ -151,7 +151,7 @@ bool take(const toml::node &node, const Setting &, bool &out)
 
 bool take(const toml::node &node, const Setting &setting, double &out)
 {
-    // `seconds = 10` is meant as 10.0
+    // `seconds = 10` means 10.0
     if (!node.is_number() || !is_within(setting, *node.value<double>()))
         return false;
     out = *node.value<double>();
@@ -191,7 +191,7 @@ void read_section(const std::string &path, const toml::key &section, const toml:
     }
 }
 
-// A warmup is measured in frames or in seconds; the file's one takes the default's place.
+// A warmup is measured in frames or in seconds; the one in the file replaces the default.
 void settle_warmup(const std::string &path, const toml::table &root, Config &config)
 {
     const toml::node_view<const toml::node> frames = root["warmup"]["frames"];

@@ -1,4 +1,4 @@
-// What vdna_selectord is told: its settings, their defaults and limits, and their TOML file.
+// The settings of vdna_selectord: defaults, limits, and their TOML file.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,9 @@ namespace vdna::selectord
 // Every setting; the members hold the defaults.
 struct Config {
     std::string map_directory = "/var/lib/vdna/map";
-    // Bare name, or path of a .toml or of a plug-in.
-    std::string manifest = VDNA_BACKBONE_DEFAULT;
+    std::string manifest = VDNA_BACKBONE_DEFAULT; // bare name, or path of a .toml or a .so
     uint32_t threads = VDNA_BACKBONE_THREADS_DEFAULT;
-    std::string runtime; // path of libonnxruntime.so; "" = found by itself
+    std::string runtime; // path of libonnxruntime.so; "" = found automatically
     uint32_t warmup_frames = VDNA_WARMUP_FRAMES_DEFAULT; // 0 = by time
     double warmup_seconds = 0; // 0 = by frames; exactly one of the two is set
     std::string url;           // "" = $LCM_DEFAULT_URL, else LCM's default
@@ -31,15 +30,15 @@ struct Config {
     uint32_t max_image_pixels = 2u << 20; // 1920x1080
     uint32_t budget_mb = 0;               // 2^20 bytes; 0 = no limit
     bool lock_memory = false;
-    std::string affinity; // as taskset's: "0,2-3"; "" = all that the process was given
-    int32_t nice = 0;     // added to the niceness that the process was given
+    std::string affinity; // as for taskset: "0,2-3"; "" = all processors of the process
+    int32_t nice = 0;     // added to the niceness of the process
 };
 
-// Read a TOML file. Throws Error with file, line and column for a key that is unknown, of the
-// wrong type or out of its limits.
+// Read a TOML file. Throws Error with file, line and column for a key that is unknown, of the wrong
+// type or out of range.
 Config read_config(const std::string &path);
 
-// Write all settings as TOML that read_config() accepts.
+// Write all settings as TOML for read_config().
 void print_config(const Config &config, std::ostream &out);
 
 } // namespace vdna::selectord

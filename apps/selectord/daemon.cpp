@@ -16,7 +16,7 @@ namespace
 {
 
 constexpr int64_t status_period_us = 1000000;
-constexpr int32_t poll_ms = 50; // bounds how late a stop or a status is when no frames come
+constexpr int32_t poll_ms = 50; // bounds the delay of a stop or a status without frames
 
 int64_t monotonic_us()
 {
@@ -78,7 +78,7 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
         if (events & VDNA_TRANSPORT_FRAME)
             answer(transport, frame, stop);
 
-        // At 1 Hz whether frames come or not; beats missed during a long inference are dropped.
+        // At 1 Hz, with or without frames; beats missed during a long inference are dropped.
         const int64_t now_us = monotonic_us();
         if (now_us >= next_status_us) {
             publish_status(transport);
@@ -101,7 +101,7 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     vdna_error error{};
     const vdna_status status = vdna_backbone_run(backbone_.get(), &frame.image, &error, &seen);
     if (stop)
-        return; // a cancelled inference is not the frame's fault
+        return; // cancelled: the frame is not at fault
 
     Stopwatch watch;
     vdna_msg_localisation_t message =

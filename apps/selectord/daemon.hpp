@@ -1,4 +1,4 @@
-// The daemon's loop: newest camera frame in; choice, position and health out.
+// The daemon's loop: newest camera frame in; choice, position and status out.
 #pragma once
 
 #include <atomic>
@@ -22,17 +22,17 @@ namespace vdna::selectord
 class Daemon
 {
   public:
-    // Allocates all that the loop needs; borrows all three. Throws Error.
+    // Allocates all memory of the loop; borrows all three. Throws Error.
     Daemon(const Config &config, const Map &map, const Backbone &backbone);
 
-    // Bytes of the largest message that run() publishes.
+    // Size of the largest message that run() publishes, in bytes.
     uint32_t message_size_max() const;
 
-    // Bytes of the live histogram, and of all that this object holds.
+    // Bytes of the live histogram, and of everything this object holds.
     size_t histogram_size() const;
     size_t size() const;
 
-    // Answer frames and commands until `stop`. Throws Error if the connection is gone.
+    // Answer frames and commands until `stop`. Throws Error if the connection is lost.
     void run(vdna_transport *transport, const std::atomic<bool> &stop);
 
   private:

@@ -15,7 +15,7 @@ void Durations::add(int64_t us)
 
 int64_t Durations::percentile_us(uint32_t percent) const
 {
-    // Divided before it is multiplied, so that no count overflows; rounded up to a whole rank.
+    // Divide before multiplying, so that no count overflows; round up to a whole rank.
     const uint64_t rank = count_ / 100 * percent + (count_ % 100 * percent + 99) / 100;
     uint64_t below = 0;
     for (uint32_t bin = 0; bin < bins; bin++) {
@@ -28,7 +28,7 @@ int64_t Durations::percentile_us(uint32_t percent) const
 
 uint32_t Durations::bin_of(uint32_t us)
 {
-    // The first doubling has bins of 1 us and begins at 0, so it is two.
+    // The first 64 bins are 1 us wide; each further doubling has 32 bins.
     uint32_t shift = 0;
     while (us >> shift >= 2 * bins_per_doubling)
         shift++;

@@ -1,4 +1,4 @@
-// How long something takes, over millions of times, in fixed memory.
+// Percentiles of millions of durations, in fixed memory.
 #pragma once
 
 #include <array>
@@ -7,18 +7,18 @@
 namespace vdna::selectord
 {
 
-// Counts durations in bins whose width doubles every 32 bins: exact below 64 us, and above that
-// the middle of a bin is within 1/64 of everything in it. The newest and the longest are exact.
+// Counts durations in bins whose width doubles every 32 bins: exact below 64 us; above that, the
+// middle of a bin is within 1/64 of every duration in it. The newest and the longest are exact.
 class Durations
 {
   public:
-    // Below 0 counts as 0, above some 71 minutes as that.
+    // Clamped to 0 and to about 71 minutes.
     void add(int64_t us);
 
     uint64_t count() const { return count_; }
     int64_t newest_us() const { return newest_us_; }
     int64_t max_us() const { return max_us_; }
-    // The duration that `percent` of 100 did not exceed (nearest rank); 0 if there is none yet.
+    // The percentile by nearest rank; 0 without durations.
     int64_t percentile_us(uint32_t percent) const;
 
   private:

@@ -48,7 +48,7 @@ vdna_transport_config transport_config(const Config &config, const Daemon &daemo
 vdna_transport_memory memory_of(const vdna_transport_config &transport)
 {
     vdna_transport_memory memory{};
-    vdna_transport_memory_of(&transport, &memory); // our own configuration is valid
+    vdna_transport_memory_of(&transport, &memory); // cannot fail: our configuration is valid
     return memory;
 }
 
@@ -81,7 +81,7 @@ void say_ready(const Config &config, const Map &map, const Backbone &backbone)
 
 program::ExitCode run(int argc, char **argv)
 {
-    // What to do. Nothing is opened yet.
+    // The command line. Nothing is opened yet.
     const std::optional<Invocation> invocation = read_command_line(argc, argv);
     if (!invocation)
         return program::exit_ok;
@@ -91,7 +91,7 @@ program::ExitCode run(int argc, char **argv)
         return program::exit_ok;
     }
 
-    // Where and how to run: the threads that start from here on inherit it.
+    // Processors and priority, which later threads inherit.
     take_processors(config);
     return_large_blocks();
 
@@ -103,11 +103,11 @@ program::ExitCode run(int argc, char **argv)
     start_up.map = resident.read();
 
     // One-way door: from here on a signal waits for StopOnSignal, because the backbone's threads
-    // must not take it. A reader of our output that goes away ends nothing.
+    // must not take it. Also ignore SIGPIPE: losing stdout must not stop us.
     block_stop_signals();
     signal(SIGPIPE, SIG_IGN);
 
-    // The network, and what the loop needs besides: the large allocations end here.
+    // The network and the loop's memory: the large allocations end here.
     const Backbone backbone(config.manifest, config.threads, config.runtime,
                             config.max_image_pixels);
     map.require_backbone(backbone.info());
@@ -125,7 +125,7 @@ program::ExitCode run(int argc, char **argv)
         return program::exit_ok;
     }
 
-    // One-way door: from here on others see us.
+    // One-way door: from here on we are visible to others.
     const StopOnSignal stop(backbone.get());
     const Connection connection = connect(transport);
     if (config.lock_memory)
@@ -135,7 +135,7 @@ program::ExitCode run(int argc, char **argv)
 
     daemon.run(connection.get(), stop.requested());
 
-    // Everything closes itself in reverse: connection, signals, selector, backbone, map.
+    // Everything closes itself in reverse order: connection, signals, selector, backbone, map.
     std::fprintf(stderr, "vdna_selectord: stopped by a signal\n");
     return program::exit_ok;
 }

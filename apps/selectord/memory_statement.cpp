@@ -23,8 +23,8 @@ namespace
 
 constexpr uint64_t mib = uint64_t{1} << 20;
 
-// What cannot be told apart beforehand: code that no frame has run through yet, the stacks of
-// threads, and what the allocator rounds up.
+// Memory that cannot be itemised beforehand: code not run yet, stacks of threads, and rounding by
+// the allocator.
 constexpr uint64_t margin = 16 * mib;
 
 std::string mib_text(uint64_t bytes)
@@ -42,14 +42,14 @@ uint64_t bytes_of(const Map &map)
     return bytes;
 }
 
-// Pages of the map may have been dropped while the network was loaded, so its heap counts at least.
+// The system may drop pages of the map while the network loads, so take at least the heap's growth.
 uint64_t growth(const Resident &before, const Resident &after)
 {
     return static_cast<uint64_t>(
         std::max({after.now - before.now, after.anonymous - before.anonymous, int64_t{0}}));
 }
 
-// One sum per name, in the order in which the names come first.
+// One sum per name, in order of first appearance.
 std::vector<std::pair<std::string, uint64_t>> held_by_name(const std::vector<MemoryPart> &parts)
 {
     std::vector<std::pair<std::string, uint64_t>> sums;
@@ -182,15 +182,16 @@ std::string MemoryStatement::about_large_map() const
 void return_large_blocks()
 {
 #ifdef M_MMAP_THRESHOLD
-    // Where glibc begins. Left to itself it goes up to 32 MiB, by which large blocks are freed
-    // first, and keeps what loading a network frees: up to 200 MiB, another amount each time.
+    // Fix glibc's initial threshold. Otherwise it grows up to 32 MiB when large blocks are freed,
+    // and glibc keeps the memory that loading a network frees: up to 200 MiB, varying from run to
+    // run.
     mallopt(M_MMAP_THRESHOLD, 128 << 10);
 #endif
 }
 
 void lock_memory()
 {
-    // Only what is touched: whole stacks and buffers would multiply what is held.
+    // Lock only touched pages: whole stacks and buffers would multiply the memory held.
     if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0)
         throw Error(std::string("memory.lock is true, but the memory cannot be locked: ") +
                     std::strerror(errno) +

@@ -21,11 +21,11 @@ struct MemoryPart {
     const char *name; // "frames"
     std::string what; // a phrase for people
     uint64_t bytes;   // at most
-    bool measured;    // by what the process grew; otherwise known by rule
-    bool evictable;   // the file's own pages: the system may drop them and read them again
+    bool measured;    // by the growth of the process; otherwise computed
+    bool evictable;   // pages of a file, which the system may drop and reread
 };
 
-// What the process held at the moments of its start.
+// Memory of the process at each step of its start.
 struct StartUp {
     Resident program;  // before the map is opened
     Resident map;      // after that
@@ -40,17 +40,17 @@ class MemoryStatement
                     const vdna_transport_memory &transport);
 
     const std::vector<MemoryPart> &parts() const { return parts_; }
-    // No more than this is ever resident, the map and the loading of the network included.
+    // Upper bound of resident memory, including the map and loading the network.
     uint64_t resident_max() const;
-    // Of that, what the system cannot take back when it needs memory; all of it if it is locked.
+    // The part that the system cannot take back; all of it if locked.
     uint64_t held_max() const;
 
     void print(std::ostream &out) const;
     void print_json(std::ostream &out) const;
 
-    // Throws Error, naming the parts, if more is held than memory.budget_mb.
+    // Throws Error, naming the parts, if held_max() exceeds memory.budget_mb.
     void require_budget() const;
-    // A sentence if the map does not fit into what is left of the memory; "" if it does.
+    // A warning if the map does not fit into the remaining memory; "" if it does.
     std::string about_large_map() const;
 
   private:
@@ -58,13 +58,13 @@ class MemoryStatement
 
     const Config &config_;
     std::vector<MemoryPart> parts_;
-    uint64_t loading_ = 0; // most that was resident so far
+    uint64_t loading_ = 0; // largest resident size so far
 };
 
-// Give each large block back to the system as soon as it is freed. Call before any is allocated.
+// Return large blocks to the system as soon as they are freed. Call before allocating any.
 void return_large_blocks();
 
-// Keep in memory what is there and all that will be. Throws Error if it is not permitted.
+// Lock all present and future memory. Throws Error if this is not permitted.
 void lock_memory();
 
 } // namespace vdna::selectord

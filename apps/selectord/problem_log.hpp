@@ -1,5 +1,5 @@
-// Problems that may come with every frame: the last one is kept, and at most one line a second
-// goes to standard error.
+// Problems that may occur for every frame: keeps the last one, and prints at most one line a second
+// on standard error.
 #pragma once
 
 #include <array>

@@ -27,7 +27,7 @@ namespace
                               "; correct it, or remove it to use all");
 }
 
-// The digits at `at`, which is then behind them.
+// Parse the number at `at`, and move `at` past it.
 size_t number_at(const std::string &list, size_t &at)
 {
     const size_t begin = at;
@@ -64,7 +64,7 @@ void pin(const std::string &list)
 {
     const cpu_set_t wanted = parse_list(list);
     cpu_set_t given;
-    // The system leaves out, silently, what it does not have.
+    // The system silently ignores processors it does not have.
     if (sched_setaffinity(0, sizeof wanted, &wanted) != 0 ||
         sched_getaffinity(0, sizeof given, &given) != 0 || !CPU_EQUAL(&wanted, &given))
         throw Error("[cpu] affinity is \"" + list +

@@ -1,4 +1,4 @@
-// Which processors the daemon runs on, and before whom.
+// Processor affinity and niceness of the daemon.
 #pragma once
 
 #include "selectord/config.hpp"
@@ -6,8 +6,8 @@
 namespace vdna::selectord
 {
 
-// Apply [cpu] to this thread; those that it starts inherit it. Throws Error if the setting makes no
-// sense or is not permitted.
+// Apply [cpu] to this thread; threads started later inherit it. Throws Error if a setting is
+// invalid or not permitted.
 void take_processors(const Config &config);
 
 } // namespace vdna::selectord

@@ -13,7 +13,7 @@ namespace
 
 constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 
-// The generated structs have no const members, though publishing changes nothing.
+// The generated structs have no const members, although publishing changes nothing.
 char *borrow(const char *text)
 {
     return const_cast<char *>(text);

@@ -1,5 +1,5 @@
-// What the daemon says: its messages, filled from plain state. Their texts are borrowed from the
-// map, so that filling one allocates nothing.
+// The daemon's messages, filled from plain state. They borrow their texts from the map, so that
+// filling one allocates nothing.
 #pragma once
 
 #include <vector>
@@ -24,7 +24,7 @@ class RankingReport
     // Borrows from both.
     RankingReport(const Map &map, const vdna_backbone_info &backbone);
 
-    // Bytes of the message on the wire, whatever the order of the experiences.
+    // Bytes of the message on the wire, for any order of the experiences.
     uint32_t encoded_size() const;
 
     // Valid until the next call; `select` is in state SELECTED.
@@ -42,11 +42,11 @@ class RankingReport
 // An answer without a position; `validity` is WARMING_UP or REFUSED.
 vdna_msg_localisation_t no_position(int64_t utime, int32_t validity);
 
-// The position of a live frame in the chosen experience, from which the texts are borrowed.
+// The position of a live frame in the chosen experience; borrows the texts from it.
 vdna_msg_localisation_t position_in(const vdna_experience &chosen, const vdna_knn_match &match,
                                     int64_t utime);
 
-// Everything that a status message tells.
+// The contents of a status message.
 struct Health {
     const vdna_select &select;
     const vdna_transport_counters &transport;
@@ -59,10 +59,10 @@ struct Health {
     const char *message;
 };
 
-// Bytes on the wire that no status and no localisation exceeds.
+// Upper bound for the wire size of a status or localisation, bytes.
 constexpr uint32_t other_messages_size_max = 2048;
 
-// Borrows its texts from `health`; `utime` is microseconds since 1970.
+// Borrows its texts from `health`; `utime` is in microseconds since 1970.
 vdna_msg_status_t status_of(const Health &health, int64_t utime);
 
 } // namespace vdna::selectord

@@ -42,7 +42,7 @@ Resident ResidentMemory::read() const
         return {};
     text[size] = '\0';
     const int64_t now = bytes_of(text, "VmRSS");
-    // The system's mark is brought up to date less often than the value.
+    // The system updates the high-water mark less often than the value.
     return {now, bytes_of(text, "RssAnon"), std::max(now, bytes_of(text, "VmHWM"))};
 }
 

@@ -1,4 +1,4 @@
-// How much memory the process holds.
+// Resident memory of the process.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 namespace vdna::selectord
 {
 
-// In bytes; 0 where the system does not tell.
+// In bytes; 0 if the system does not tell.
 struct Resident {
     int64_t now = 0;
     int64_t anonymous = 0; // of that, not backed by a file

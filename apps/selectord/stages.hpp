@@ -1,4 +1,4 @@
-// The way of a frame through the daemon, and how long each stage of it takes.
+// The stages of a frame's way through the daemon, and their durations.
 #pragma once
 
 #include <chrono>
@@ -8,16 +8,16 @@
 namespace vdna::selectord
 {
 
-// Of all frames that were used; what each stage is: docs/reference/SPEC-lcm.md.
+// Of all processed frames; docs/reference/SPEC-lcm.md defines the stages.
 struct Stages {
     Durations queue, decode, resize, inference, select, rank, publish, total;
 };
 
-// Measures one stage after the other.
+// Measures consecutive stages.
 class Stopwatch
 {
   public:
-    // Microseconds since the last call or the beginning.
+    // Microseconds since the last call or the construction.
     int64_t lap_us()
     {
         const Clock::time_point now = Clock::now();

@@ -41,7 +41,7 @@ StopOnSignal::StopOnSignal(vdna_backbone *backbone)
 StopOnSignal::~StopOnSignal()
 {
     finished_.set_value();
-    // Wakes the thread if no signal has come; it is blocked everywhere else.
+    // Wake the thread if no signal has arrived; all other threads block it.
     pthread_kill(thread_.native_handle(), SIGTERM);
     thread_.join();
 }
@@ -54,8 +54,8 @@ void StopOnSignal::wait()
     requested_ = true;
     vdna_backbone_cancel(backbone_);
 
-    // Decoding a huge picture cannot be cancelled. The daemon writes no file, so that nothing is
-    // half done when the process ends in the middle of it.
+    // Decoding a huge picture cannot be cancelled. The daemon writes no files, so exiting in the
+    // middle leaves nothing half done.
     constexpr std::chrono::milliseconds patience(100);
     if (finished_.get_future().wait_for(patience) == std::future_status::timeout)
         _exit(program::exit_ok);

@@ -1,4 +1,4 @@
-// SIGTERM and SIGINT: a thread takes them, so that no signal handler runs anywhere.
+// SIGTERM and SIGINT: a thread receives them, so that no signal handler is needed.
 #pragma once
 
 #include <atomic>
@@ -10,11 +10,11 @@
 namespace vdna::selectord
 {
 
-// From now on SIGTERM and SIGINT wait for a StopOnSignal. Call it before the first thread begins:
-// threads inherit it, and a signal goes to any thread that does not block it.
+// From now on SIGTERM and SIGINT wait for a StopOnSignal. Call before the first thread starts:
+// threads inherit the mask, and a signal goes to any thread that does not block it.
 void block_stop_signals();
 
-// Ends an inference in progress when a signal comes, and the process if that is not enough.
+// On a signal, cancels the running inference, and ends the process if that is not enough.
 class StopOnSignal
 {
   public:
@@ -32,7 +32,7 @@ class StopOnSignal
     vdna_backbone *backbone_;
     std::atomic<bool> requested_{false};
     std::promise<void> finished_;
-    std::thread thread_; // last: it uses the members above
+    std::thread thread_; // last, because it uses the members above
 };
 
 } // namespace vdna::selectord

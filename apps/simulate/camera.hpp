@@ -1,4 +1,4 @@
-// Where the robot is, and what its camera makes of the world.
+// The pose of the robot, and the projection of its camera.
 #pragma once
 
 #include <cmath>
@@ -38,7 +38,7 @@ class Camera
                            static_cast<float>(height - up), static_cast<float>(offset.dot(ahead_)));
     }
 
-    // The point on the ground that is this far to the right and ahead.
+    // The point on the ground at this distance to the right and ahead.
     cv::Point2d ground(double right, double ahead) const
     {
         return {pose_.x + ahead * ahead_.x + right * ahead_.y,

@@ -13,7 +13,7 @@ namespace
 
 constexpr float near_plane = .3f; // metres: nothing closer is painted
 
-// OpenCV's drawing functions take integers: what lies far outside is as good as just outside.
+// OpenCV's drawing functions take integers, so clamp points far outside the picture.
 cv::Point fixed(cv::Point2f pixel)
 {
     constexpr float limit = 1 << 14;
@@ -21,7 +21,7 @@ cv::Point fixed(cv::Point2f pixel)
             cvRound(std::clamp(pixel.y, -limit, limit) * (1 << pixel_shift))};
 }
 
-// The part of a convex face that lies before the camera.
+// The part of a convex face in front of the camera.
 std::vector<cv::Point3f> before_camera(const std::vector<cv::Point3f> &corners)
 {
     std::vector<cv::Point3f> kept;
@@ -43,8 +43,7 @@ cv::Point3f middle(const std::vector<cv::Point3f> &points)
     return sum * (1 / static_cast<float>(points.size()));
 }
 
-// A line with the width of a stroke is a thin rectangle; thinner than a pixel, it fades instead of
-// flickering.
+// A stroke with a width is a thin rectangle; below one pixel, it fades instead of flickering.
 void stroke(cv::Mat3b &picture, cv::Point2f from, cv::Point2f to, float width, const Colour &colour)
 {
     if (width < 1.5f) {

@@ -1,4 +1,4 @@
-// The picture that is being painted, and the strokes it takes.
+// The picture being painted, and its drawing operations.
 #pragma once
 
 #include <vector>
@@ -11,13 +11,12 @@
 namespace vdna::simulate
 {
 
-constexpr int pixel_shift = 4; // fractional bits of the pixels that OpenCV's drawing takes
+constexpr int pixel_shift = 4; // fractional bits of pixels in OpenCV's drawing functions
 
-// The part of a flat convex face that lies before the camera, in pixels; empty if none does.
+// The part of a flat convex face in front of the camera, in pixels; empty if there is none.
 std::vector<cv::Point> outline(const Camera &camera, const std::vector<cv::Point3f> &corners);
 
-// Everything painted here is given as the camera sees it (see camera.hpp) and may lie partly
-// behind the camera.
+// All coordinates are as seen by the camera (see camera.hpp); shapes may be partly behind it.
 class Canvas
 {
   public:
@@ -31,9 +30,9 @@ class Canvas
     const Condition &condition() const { return light_.condition(); }
     cv::Mat3b &picture() { return picture_; }
 
-    // A flat convex face, lit as its middle is.
+    // A flat convex face, lit by the light at its middle.
     void face(const std::vector<cv::Point3f> &corners, const Colour &colour);
-    // The same, for what shines by itself.
+    // The same, for a luminous face.
     void glowing_face(const std::vector<cv::Point3f> &corners, const Colour &colour);
     // width: metres
     void line(const cv::Point3f &from, const cv::Point3f &to, float width, const Colour &colour);
@@ -44,8 +43,8 @@ class Canvas
     const Light &light_;
 };
 
-// A place on the ground where something upright stands, facing the camera: painted in metres to
-// the right of its foot and up from it, under one light.
+// An upright object on the ground that faces the camera: painted in metres right of and above its
+// foot, under one light.
 class Stand
 {
   public:

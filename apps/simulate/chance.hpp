@@ -1,4 +1,4 @@
-// Repeatable chance: a seed gives the same draws with every compiler and standard library.
+// Repeatable random numbers: a seed gives the same draws with every compiler and library.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ class Chance
     uint64_t state_;
 };
 
-// A seed of its own for each part of what `seed` stands for.
+// A separate seed for each part of the object with this seed.
 inline uint64_t seed_of_part(uint64_t seed, uint64_t part)
 {
     return Chance(seed ^ Chance(part).next()).next();

@@ -1,4 +1,4 @@
-// Colours as the renderer mixes them.
+// Colours for the renderer.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 namespace vdna::simulate
 {
 
-using Colour = cv::Vec3f; // blue, green, red; 0..255, and beyond until it is drawn
+using Colour = cv::Vec3f; // blue, green, red; 0..255, clamped only when drawn
 
 inline Colour rgb(uint32_t hex)
 {

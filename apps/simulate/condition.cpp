@@ -177,7 +177,7 @@ Condition on_another_day(const Condition &condition, float variation, uint64_t s
     const auto shift = [&](float value, float most) {
         return value + variation * chance.between(-most, most);
     };
-    // A share that is nothing or all belongs to the name: no snow falls in summer.
+    // A share of 0 or 1 is part of the condition and stays: no snow falls in summer.
     const auto share = [&](float value) {
         return value <= 0 || value >= 1 ? value : std::clamp(shift(value, .15f), .02f, .98f);
     };

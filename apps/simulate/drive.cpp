@@ -10,7 +10,7 @@ namespace vdna::simulate
 namespace
 {
 
-constexpr double sway_length = 23; // metres of route from swing to swing
+constexpr double sway_length = 23; // metres of route per period
 
 } // namespace
 
@@ -32,7 +32,7 @@ Shot Drive::shot(size_t frame) const
     const double swing = 2 * CV_PI * along / sway_length + phase_;
     const cv::Point2d at = route_.at(along, bias_m_ + sway_m_ * std::sin(swing));
     const double slope = route_.slope(along) + sway_m_ * 2 * CV_PI / sway_length * std::cos(swing);
-    // The camera's control of its exposure overshoots a little as the scene changes.
+    // The camera's exposure control overshoots slightly when the scene changes.
     const auto hunting = static_cast<float>(.04 * std::sin(along / 3 + phase_));
     return {{at.x, at.y, std::atan(slope)},
             exposure_ + config_.variation * hunting,

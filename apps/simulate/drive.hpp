@@ -1,4 +1,4 @@
-// One drive along the route: where the robot is at each frame, and what its camera does.
+// One drive along the route: the pose of the robot and the camera's settings for each frame.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@ struct DriveConfig {
     double start_m = 0;  // along the route
     double step_m = .5;  // along the route from frame to frame, > 0
     double rate_hz = 10; // frames per second, > 0
-    float variation = 0; // 0..1: how far this drive strays from the line, the speed, the exposure
-    uint64_t seed = 1;   // of this drive's own chance
+    float variation = 0; // 0..1: deviation from the line, the speed and the exposure
+    uint64_t seed = 1;   // of this drive's random numbers
 };
 
 class Drive
@@ -29,7 +29,7 @@ class Drive
   private:
     Route route_;
     DriveConfig config_;
-    double bias_m_, sway_m_; // from the route's line: constant and swinging part
+    double bias_m_, sway_m_; // offset from the route's line: constant and periodic part
     double speed_;           // factor
     float exposure_, drift_;
     double phase_;

@@ -13,7 +13,7 @@ namespace
 constexpr int side = 256; // texels, a power of two
 constexpr uint64_t grain_seed = 11;
 
-// Random values on a lattice whose last row and column are the first again.
+// Random values on a lattice whose last row and column repeat the first.
 cv::Mat1f make_lattice(int cells, Chance &chance)
 {
     cv::Mat1f lattice(cells + 1, cells + 1);
@@ -25,7 +25,7 @@ cv::Mat1f make_lattice(int cells, Chance &chance)
     return lattice;
 }
 
-// The lattice at a texel, between its four neighbours.
+// The lattice at a texel, interpolated between its four neighbours.
 float interpolated(const cv::Mat1f &lattice, int texels, int row, int column)
 {
     const int r = row / texels, c = column / texels;

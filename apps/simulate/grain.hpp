@@ -6,7 +6,7 @@
 namespace vdna::simulate
 {
 
-// One square tile of it, which repeats seamlessly and is the same in every world.
+// One square tile of texture, which repeats seamlessly and is the same in every world.
 class Grain
 {
   public:

@@ -17,7 +17,7 @@ Colour surface_colour(Surface surface)
     return colours[static_cast<size_t>(surface)];
 }
 
-// True on the joints of a pattern that repeats every `period` metres.
+// True at the joints of a pattern that repeats every `period` metres.
 bool on_joint(double metres, double period, double joint)
 {
     return metres - period * std::floor(metres / period) < joint;
@@ -50,7 +50,7 @@ Colour Ground::colour(double along, double across, float detail) const
     const bool on_path = std::abs(across) + .12 * fine + .1 * patches < path_half_width;
     Colour own = on_path ? path(along, across, fine) : lawn(patches, fine);
 
-    // Leaves and snow lie in patches, and less of them where feet and wheels go.
+    // Leaves and snow lie in patches, with fewer on the path.
     const float litter = condition_.litter - (on_path ? .25f : 0);
     if (condition_.litter > 0 && .5f + .9f * fine + .35f * patches < litter)
         own = fine > -.2f ? rgb(0xb5741f) : rgb(0x93501c);

@@ -19,7 +19,7 @@ class Ground
     }
 
     // The colour at a place, before light and haze.
-    // along, across: where that is on the route; detail: 0..1, less where distance swallows it
+    // along, across: the place on the route; detail: 0..1, less at a distance
     Colour colour(double along, double across, float detail) const;
 
   private:

@@ -20,7 +20,7 @@ Colour choose(const std::array<uint32_t, count> &palette, float hue)
     return rgb(palette[std::min(count - 1, static_cast<size_t>(hue * count))]);
 }
 
-// The side of a face that is turned away from the sun is darker. Sun comes from the left.
+// A side facing away from the sun is darker. The sun is on the left.
 float shade(const Condition &condition, bool towards_sun)
 {
     return 1 + condition.sun * (towards_sun ? .06f : -.34f);
@@ -46,7 +46,7 @@ bool flowers(const Condition &condition, const Landmark &plant)
     return static_cast<float>(plant.shape % 100) < 100 * condition.blossom;
 }
 
-// A round mass of leaves: discs all over an ellipse, lighter towards the sun and the sky.
+// A round mass of leaves: discs across an ellipse, lighter towards the sun and the sky.
 void paint_leaves(Stand &stand, cv::Point2f centre, cv::Point2f radii, const Colour &colour,
                   float share, const Landmark &plant)
 {
@@ -75,7 +75,7 @@ void paint_leaves(Stand &stand, cv::Point2f centre, cv::Point2f radii, const Col
     }
 }
 
-// One limb and what grows from it. Snow lies on limbs that are not too steep.
+// One limb and its branches. Snow lies on limbs that are not too steep.
 void paint_branch(Stand &stand, cv::Point2f from, float angle, float length, int forks,
                   Chance &chance)
 {
@@ -140,7 +140,7 @@ void paint_conifer(const Landmark &conifer, Stand &stand)
 void paint_bush(const Landmark &bush, Stand &stand)
 {
     const float height = bush.height;
-    const float share = std::max(stand.condition().foliage, .8f); // twigs hide what is behind
+    const float share = std::max(stand.condition().foliage, .8f); // twigs hide the background
     paint_leaves(stand, {0, height * .45f}, {height * (.55f + .4f * bush.hue), height * .5f},
                  leaf_colour(stand.condition(), bush.hue), share, bush);
 }
@@ -209,9 +209,9 @@ void paint_lamp(const Landmark &lamp, Stand &stand)
     stand.rectangle({-.24f, head + .12f}, {.24f, head + .2f}, snowed(stand.condition(), metal));
 }
 
-// Long things, whose faces are seen in perspective --------------------------------------------
+// Long things, with faces in perspective --------------------------------------------------------
 
-// A box along the route, by its faces: corners in metres along the box, away from the path and up.
+// A box along the route, painted by its faces: corners in metres along, away from the path and up.
 class Box
 {
   public:
@@ -223,7 +223,7 @@ class Box
     const Landmark &landmark() const { return landmark_; }
     Canvas &canvas() { return canvas_; }
     const Condition &condition() const { return canvas_.condition(); }
-    // The sun comes from the left, so it reaches the faces of what stands on the right.
+    // The sun is on the left, so it lights the faces of boxes on the right.
     float side_shade() const { return shade(condition(), landmark_.across < 0); }
 
     cv::Point3f seen(double along, double out, double up) const
@@ -243,7 +243,7 @@ class Box
                 seen(0, low.x, high.y)};
     }
 
-    // The two walls that can be seen, and what lies on top.
+    // The two visible walls, and the top.
     void paint_walls(const Colour &colour, const Colour &top)
     {
         const float length = landmark_.length, width = landmark_.width, height = landmark_.height;
@@ -251,7 +251,7 @@ class Box
                       seen(0, width, height)},
                      top);
         canvas_.face(end({0, 0}, {width, height}), colour * shade(condition(), true) * .9f);
-        // In pieces, because the light of lamps and the haze change along a wall.
+        // In pieces, because lamp light and haze change along a wall.
         constexpr int pieces = 3;
         for (int i = pieces - 1; i >= 0; i--)
             canvas_.face(side({length * static_cast<float>(i) / pieces, 0},
@@ -314,7 +314,7 @@ void paint_hedge(Box &box)
     }
 }
 
-// Paint of the kind that makes a wall a place of its own.
+// A mural, which makes a wall recognisable.
 void paint_mural(Box &box, Chance &chance)
 {
     static constexpr std::array<uint32_t, 6> sprays = {0xd84040, 0x3070c0, 0xe0b030,
@@ -426,7 +426,7 @@ void paint_tower(Box &box)
                           chance.happens(.35f));
 }
 
-// What has no extent along the route.
+// Landmarks without extent along the route.
 void paint_standing(const Landmark &landmark, Stand &stand)
 {
     switch (landmark.kind) {
@@ -472,7 +472,7 @@ void paint_landmark(const Landmark &landmark, const Route &route, Canvas &canvas
         return paint_box(box);
     }
     const cv::Point3f foot = canvas.camera().see(route.at(landmark.along, landmark.across), 0);
-    if (foot.z < 1) // by then its foot has left the picture
+    if (foot.z < 1) // its foot has left the picture
         return;
     Stand stand(canvas, foot);
     paint_standing(landmark, stand);

@@ -1,4 +1,4 @@
-// How each kind of landmark looks under a condition.
+// The look of each kind of landmark under a condition.
 #pragma once
 
 #include "simulate/canvas.hpp"
@@ -7,10 +7,10 @@
 namespace vdna::simulate
 {
 
-// Paint the landmark over what is behind it.
+// Paint the landmark over the background.
 void paint_landmark(const Landmark &landmark, const Route &route, Canvas &canvas);
 
-// Where a street lamp shines, metres above the ground.
+// Height of a street lamp's light, metres above the ground.
 inline float lamp_head(const Landmark &lamp)
 {
     return lamp.height - .1f;

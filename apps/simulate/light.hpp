@@ -1,4 +1,4 @@
-// What reaches the camera of a colour: daylight, lamps, headlight and haze.
+// The light of a scene and its effect on colours: daylight, lamps, headlight and haze.
 #pragma once
 
 #include <vector>
@@ -13,19 +13,19 @@ namespace vdna::simulate
 
 // The light at one point, and the haze between it and the camera.
 struct Air {
-    Colour gain; // factor on a colour there
-    Colour haze; // what the haze adds
-    float clear; // share that passes the haze
+    Colour gain; // factor on a colour at the point
+    Colour haze; // colour added by the haze
+    float clear; // share of light that passes the haze
 
     Colour through(const Colour &colour) const { return colour.mul(gain) * clear + haze; }
-    // The same for what shines by itself.
+    // The same for a luminous colour.
     Colour glowing(const Colour &colour) const { return colour * clear + haze; }
 };
 
 class Light
 {
   public:
-    // lamps: where the street lamps shine, as the camera sees them
+    // lamps: positions of the street lamps, as seen by the camera
     Light(const Condition &condition, std::vector<cv::Point3f> lamps)
         : condition_(condition), lamps_(std::move(lamps))
     {

@@ -35,7 +35,7 @@ void write_picture(const fs::path &file, const cv::Mat &picture, int quality)
     program::replace_file(file.string(), {bytes.begin(), bytes.end()}, program::Durability::quick);
 }
 
-// True for the names that record_drive() writes: nothing else is ever deleted.
+// True for the file names of record_drive(): no other file is ever deleted.
 bool is_ours(const fs::path &entry)
 {
     const std::string name = entry.filename().string();
@@ -44,7 +44,7 @@ bool is_ours(const fs::path &entry)
             entry.stem().string().find_first_not_of("0123456789") == std::string::npos);
 }
 
-// Throws unless the directory is missing, empty, or an earlier recording that may go.
+// Throws unless the directory is missing, empty, or a recording that may be replaced.
 void require_replaceable(const fs::path &directory, bool force)
 {
     if (!fs::exists(directory))
@@ -61,7 +61,7 @@ void require_replaceable(const fs::path &directory, bool force)
     }
 }
 
-// In the left corner above `bottom`, readable on any ground.
+// In the left corner above `bottom`, legible on any background.
 void write_name(cv::Mat3b &sheet, const std::string &name, int bottom)
 {
     const cv::Point corner(5, bottom - 6);

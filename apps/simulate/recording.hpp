@@ -19,12 +19,13 @@ struct RecordingConfig {
     bool force = false; // replace an earlier recording
 };
 
-// Write `directory`/000000.jpg ... and labels.csv, all or nothing: the work is done in
-// `directory`.partial and renamed. Throws Error, also when interrupted, and leaves nothing behind.
+// Write `directory`/000000.jpg ... and labels.csv, all or nothing: files are written in
+// `directory`.partial, which is then renamed. Throws Error, also if interrupted, and leaves nothing
+// behind.
 void record_drive(const std::filesystem::path &directory, const Route &route,
                   const Condition &condition, const Drive &drive, const RecordingConfig &config);
 
-// Write one picture: a row of small pictures for each condition, with the same places in columns.
+// Write one picture file: a row of small pictures for each condition, and a column for each place.
 void write_sheet(const std::filesystem::path &file, const Route &route, const DriveConfig &drive,
                  cv::Size size, size_t columns, int quality);
 

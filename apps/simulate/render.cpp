@@ -16,9 +16,9 @@ namespace vdna::simulate
 namespace
 {
 
-constexpr double sight = 95;     // metres: nothing farther is painted
-constexpr double look_back = 15; // metres: long things begin behind the camera
-constexpr int noise_margin = 64; // pixels by which the noise is moved from picture to picture
+constexpr double sight = 95;     // metres: nothing beyond is painted
+constexpr double look_back = 15; // metres: long things may begin behind the camera
+constexpr int noise_margin = 64; // pixels by which the noise shifts between pictures
 
 cv::Vec3b pixel_of(const Colour &colour)
 {
@@ -64,7 +64,7 @@ void Renderer::paint_sky(cv::Mat3b &picture, const Camera &camera, float drift) 
     for (int row = 0; row < size_.height / 2; row++) {
         const float up = 1 - static_cast<float>(row) / camera.horizon();
         const Colour clear = mix(condition_.sky_low, condition_.sky_high, std::sqrt(up));
-        const double depth = 1 / (up + .3); // clouds crowd together towards the horizon
+        const double depth = 1 / (up + .3); // clouds are denser towards the horizon
         for (int column = 0; column < size_.width; column++) {
             const double right = (column - .5 * size_.width) / camera.focal();
             const double aside = (right - camera.pose().heading) * depth;
@@ -91,7 +91,7 @@ void Renderer::paint_hills(cv::Mat3b &picture, const Camera &camera) const
     }
 }
 
-// How dark the ground is, 0..255, where something stands between it and the sun.
+// Darkness of the ground, 0..255, in the shadows of landmarks.
 cv::Mat1b Renderer::shadows(const std::vector<Landmark> &landmarks, const Camera &camera) const
 {
     cv::Mat1b mask(size_, uchar{0});
@@ -105,7 +105,7 @@ cv::Mat1b Renderer::shadows(const std::vector<Landmark> &landmarks, const Camera
             cv::fillConvexPoly(mask, pixels, dark, cv::LINE_8, pixel_shift);
     };
     for (const Landmark &landmark : landmarks) {
-        // The sun stands to the left and a little behind.
+        // The sun is on the left and slightly behind the camera.
         const cv::Point2d fall = cv::Point2d(.3, -.9) * (condition_.shadow * landmark.height);
         const cv::Point2d foot = route_.at(landmark.along, landmark.across);
         if (landmark.length > 0) {
@@ -131,7 +131,7 @@ void Renderer::paint_ground(cv::Mat3b &picture, const Camera &camera, const Ligh
         const float ahead =
             camera.focal() * Camera::height / (static_cast<float>(row) + .5f - camera.horizon());
         const float detail = 1 / (1 + ahead / 9);
-        // The route's line is straight enough to be a straight one within one row.
+        // Within one row of pixels, treat the route's line as straight.
         const cv::Point2d middle = camera.ground(0, ahead);
         const double line = route_.at(middle.x).y, slope = route_.slope(middle.x);
         for (int column = 0; column < size_.width; column++) {
@@ -187,7 +187,7 @@ void Renderer::paint_rain(cv::Mat3b &picture, uint64_t seed) const
     cv::addWeighted(streaks, .5, picture, .5, 0, picture);
 }
 
-// Lens and sensor: a little blur, exposure, noise.
+// Lens and sensor: slight blur, exposure, noise.
 void Renderer::expose(cv::Mat3b &picture, const Shot &shot) const
 {
     Chance chance(shot.noise);

@@ -1,4 +1,4 @@
-// From a place on the route and a condition to a picture.
+// Renders a picture of a place on the route under a condition.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@
 namespace vdna::simulate
 {
 
-// What the camera does for one picture.
+// The camera's pose and settings for one picture.
 struct Shot {
     Pose pose;
-    float exposure; // factor; 1 = as the condition has it
+    float exposure; // factor; 1 = that of the condition
     float drift;    // of the clouds, in tiles of their texture
     uint64_t noise; // seed of the sensor's noise and of the rain
 };

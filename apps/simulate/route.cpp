@@ -11,11 +11,11 @@ namespace vdna::simulate
 namespace
 {
 
-// The route is cut into cells, and each cell's content follows from its number alone: there is
-// nothing to store and no end.
+// The route is divided into cells, and the number of a cell determines its content: nothing is
+// stored, and the route is endless.
 constexpr double kerb_cell = 4.5;    // close to the path: single small things
 constexpr double yard_cell = 14;     // behind them: houses, walls, hedges
-constexpr double backdrop_cell = 15; // far off: what makes the skyline
+constexpr double backdrop_cell = 15; // far away: the skyline
 constexpr double district_length = 42;
 
 struct Choice {
@@ -23,8 +23,8 @@ struct Choice {
     float weight;
 };
 
-// A stretch of the route with a character of its own. Weights that do not add up to 1 leave the
-// rest of the cells empty.
+// A stretch of the route with its own character. Weights that add up to less than 1 leave the
+// remaining cells empty.
 struct District {
     Surface surface;
     std::vector<Choice> kerb, yard;
@@ -56,13 +56,13 @@ const std::vector<District> &districts()
 const District &district_at(uint64_t seed, double along)
 {
     const auto number = static_cast<int64_t>(std::floor(along / district_length));
-    // Each lap of four has every district once, in an order of its own.
+    // Each lap of four has every district once, in its own order.
     const auto lap = static_cast<uint64_t>(number >> 2);
     const uint64_t turn = seed_of_part(seed, lap);
     return districts()[(static_cast<uint64_t>(number) * (turn & 1 ? 1u : 3u) + (turn >> 8)) % 4];
 }
 
-// -1 if the draw falls into the part that stays empty
+// -1 if the draw leaves the cell empty
 int pick(const std::vector<Choice> &choices, Chance &chance)
 {
     float draw = chance.unit();
@@ -74,7 +74,7 @@ int pick(const std::vector<Choice> &choices, Chance &chance)
     return -1;
 }
 
-// Length, width, height: smallest and largest of a kind.
+// Smallest and largest length, width and height of each kind.
 void give_size(Landmark &landmark, Chance &chance)
 {
     struct Size {
@@ -172,7 +172,7 @@ void Route::add_yard(int64_t cell, std::vector<Landmark> &row) const
             continue;
         const bool grows =
             kind == static_cast<int>(Kind::tree) || kind == static_cast<int>(Kind::conifer);
-        // Where trees stand, they stand in groups.
+        // Trees stand in groups.
         for (int i = 0; i < (grows ? 4 : 1); i++)
             row.push_back(make(static_cast<Kind>(kind), along + (grows ? 3.4 * i : 0),
                                side * chance.between(6, grows ? 12.f : 8.f), chance));

@@ -1,7 +1,7 @@
-// The world of `vdna simulate`: one endless route and what stands beside it, all from a seed.
+// The world of `vdna simulate`: one endless route and its landmarks, all from a seed.
 //
 // Lengths are in metres. The world's x axis runs along the route and y to its left; a place is
-// given either in the world or by how far along the route and how far across (left) of its line.
+// given in the world, or by its distance along the route and across (left of) its line.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +27,8 @@ enum class Kind {
     tower,
 };
 
-// One thing beside the route. How it is drawn in detail follows from its shape seed alone, so it
-// is the same thing in every condition.
+// One thing beside the route. Its shape seed alone determines the details, so it is the same in
+// every condition.
 struct Landmark {
     Kind kind;
     double along;   // of its near end
@@ -36,7 +36,7 @@ struct Landmark {
     float length;   // extent along the route
     float width;    // extent across, away from the path
     float height;   // of the walls, if it has a roof
-    float hue;      // 0..1: which of the colours its kind may have
+    float hue;      // 0..1: selects one of the colours of its kind
     uint64_t shape; // seed of everything else
 
     double outward(double metres) const { return across + (across < 0 ? -metres : metres); }
@@ -56,8 +56,8 @@ class Route
     double slope(double along) const;                      // dy/dx of the route's line
     Surface surface(double along) const;
     float skyline(double azimuth) const; // elevation (tangent) of the hills in this direction
-    // What touches from..to, in the order in which it is painted: outermost rows first, and within
-    // a row the farthest first, so that the nearer hides the farther.
+    // The landmarks that touch from..to, in painting order: outermost rows first, and the farthest
+    // first within a row, so that nearer ones hide farther ones.
     std::vector<Landmark> landmarks(double from, double to) const;
 
   private:

@@ -27,7 +27,7 @@ namespace
     return text;
 }
 
-// Also for a value that a later version may send.
+// Also handles values of later versions.
 const char *validity_of(const vdna_msg_ranking_t &message)
 {
     return message.validity == VDNA_MSG_RANKING_T_VALID       ? "VALID"
@@ -60,7 +60,7 @@ struct NamedStage {
     const vdna_msg_duration_t *duration;
 };
 
-// In the order of a frame's way.
+// In the order in which a frame passes them.
 std::array<NamedStage, 8> stages_of(const vdna_msg_status_t &message)
 {
     return {{{"queue", &message.queue},

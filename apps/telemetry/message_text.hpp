@@ -11,19 +11,18 @@
 namespace vdna::telemetry
 {
 
-// One kind of message, and how it is shown. `message` is the struct that lcm-gen declares for the
-// type.
+// One kind of message and its views. `message` is the struct that lcm-gen declares for the type.
 struct View {
     const vdna_message_type *type;
-    const char *name;    // as in the JSON, and of the option that names its channel
+    const char *name;    // in the JSON, and of the option for its channel
     const char *channel; // default
-    // One line or several, without the end of the last.
+    // One or more lines, without the final newline.
     std::string (*text)(const void *message);
-    // The members by their names in lcmtypes/; what is not valid is null.
+    // The members by their names in lcmtypes/; invalid ones are null.
     nlohmann::ordered_json (*json)(const void *message);
 };
 
-// All that vdna_selectord says.
+// All messages of vdna_selectord.
 const std::vector<View> &views();
 
 } // namespace vdna::telemetry

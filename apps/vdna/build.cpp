@@ -1,4 +1,4 @@
-// vdna build - turn recorded traversals into the experience files of a map.
+// vdna build - turns recorded traversals into the experience files of a map.
 #include <algorithm>
 #include <set>
 
@@ -32,8 +32,8 @@ struct BuildOptions {
     bool json = false;
 };
 
-// The name of an experience made from this folder or file: characters that names may not have
-// become '_'.
+// The name of the experience made from this folder or file; characters not allowed in names become
+// '_'.
 std::string name_of(const std::string &source)
 {
     const fs::path path = fs::weakly_canonical(source);
@@ -55,7 +55,7 @@ fs::path file_of(const BuildOptions &options, const record::Draft &draft)
     return fs::path(options.map) / (draft.name + VDNA_MAP_EXTENSION);
 }
 
-// What is to be made, refused before any work if a name is taken.
+// The experiences to make. Refuses a name that is taken before any work.
 std::vector<record::Draft> drafts_of(const BuildOptions &options)
 {
     if (!options.name.empty() && options.sources.size() > 1)
@@ -85,7 +85,7 @@ std::vector<record::Draft> drafts_of(const BuildOptions &options)
     return drafts;
 }
 
-// The experiences of the map that will still be there afterwards.
+// The experiences of the map that will remain afterwards.
 std::vector<Experience> remaining_of(const BuildOptions &options,
                                      const std::vector<record::Draft> &drafts)
 {
@@ -114,7 +114,7 @@ uint32_t bins_of(const BuildOptions &options, const std::vector<Experience> &rem
     return remaining.empty() ? VDNA_HIST_BINS_DEFAULT : remaining.front()->identity.bins;
 }
 
-// Take the ranges that were given or that the map has, if there are any.
+// Use the given ranges or those of the map, if any.
 void find_ranges(const BuildOptions &options, const std::vector<Experience> &remaining,
                  const Backbone &backbone, record::Maker &maker)
 {
@@ -127,7 +127,7 @@ void find_ranges(const BuildOptions &options, const std::vector<Experience> &rem
     maker.use(std::move(ranges));
 }
 
-// What will be made must compare with what is there: better said before the work than after.
+// New experiences must compare with the existing ones; check this before the work.
 void require_comparable(const std::vector<Experience> &remaining,
                         const std::vector<record::Draft> &drafts, const record::Maker &maker)
 {
@@ -231,7 +231,7 @@ void add_build(CLI::App &app)
     add_labels_option(*command, options->source);
     command
         ->add_option("--name", options->name,
-                     "name of the experience, for one source (default: that of the source)")
+                     "name of the experience, for a single source (default: that of the source)")
         ->type_name("NAME");
     command
         ->add_option("--bins", options->bins,
@@ -244,9 +244,9 @@ void add_build(CLI::App &app)
                      "map's ranges, else calibrated from the sources)")
         ->type_name("FILE");
     add_range_rule_option(*command, options->range_rule);
-    command->add_flag("--force", options->force, "replace experiences that exist already");
+    command->add_flag("--force", options->force, "replace existing experiences");
     command->add_flag("--json", options->json, "report as JSON");
-    command->footer("All or nothing: after an error or Ctrl-C the map is as it was.\n\n"
+    command->footer("All or nothing: after an error or Ctrl-C the map is unchanged.\n\n"
                     "Examples:\n"
                     "  vdna build park winter/ summer/\n"
                     "  vdna build park --labels positions.csv --name autumn drive-7.mp4");

@@ -1,4 +1,4 @@
-// vdna calibrate - find the ranges of a backbone from pictures, and keep them in a file.
+// vdna calibrate - finds the ranges of a backbone from pictures and writes them to a file.
 #include "program/print.hpp"
 #include "record/pass.hpp"
 #include "record/ranges.hpp"
@@ -46,7 +46,7 @@ void calibrate(CalibrateOptions options)
 void add_calibrate(CLI::App &app)
 {
     CLI::App *command = app.add_subcommand(
-        "calibrate", "Find the ranges of a backbone from pictures, and keep them in a file");
+        "calibrate", "Find the ranges of a backbone from pictures, and write them to a file");
     const auto options = std::make_shared<CalibrateOptions>();
     options->network.backbone = VDNA_BACKBONE_DEFAULT;
     command->add_option("OUT.json", options->out, "ranges file to write, JSON")

@@ -1,4 +1,4 @@
-// vdna command: what an operator asks of a running vdna_selectord.
+// vdna command - sends a command to a running vdna_selectord.
 #include <chrono>
 #include <map>
 
@@ -49,7 +49,7 @@ void send_command(const CommandOptions &options)
 
 void add_command(CLI::App &app)
 {
-    CLI::App *command = app.add_subcommand("command", "tell a running vdna_selectord something");
+    CLI::App *command = app.add_subcommand("command", "Send a command to a running vdna_selectord");
     const auto options = std::make_shared<CommandOptions>();
     command
         ->add_option("command", options->command,

@@ -1,23 +1,16 @@
-// The sub-commands of vdna. Each function adds one to the command line; its callback does the
-// work and throws vdna::Error to end with a sentence and an exit code.
+// The sub-commands of vdna. Each function, add_build() and so on, adds one to the command line; its
+// callback does the work and throws vdna::Error to end with a sentence and an exit code.
 #pragma once
 
 #include <CLI/CLI.hpp>
 
+#include "command_list.hpp"
+
 namespace vdna::tool
 {
 
-void add_build(CLI::App &app);
-void add_calibrate(CLI::App &app);
-void add_info(CLI::App &app);
-void add_rank(CLI::App &app);
-void add_localise(CLI::App &app);
-void add_play(CLI::App &app);
-void add_watch(CLI::App &app);
-void add_command(CLI::App &app);
-void add_simulate(CLI::App &app);
-void add_eval(CLI::App &app);
-void add_metrics(CLI::App &app);
-void add_model(CLI::App &app);
+#define VDNA_ADD_COMMAND(name) void add_##name(CLI::App &app);
+VDNA_COMMANDS(VDNA_ADD_COMMAND)
+#undef VDNA_ADD_COMMAND
 
 } // namespace vdna::tool

@@ -1,4 +1,4 @@
-// vdna eval - the paper's evaluation on a data set.
+// vdna eval - runs the paper's evaluation on a data set.
 #include <algorithm>
 #include <set>
 
@@ -36,7 +36,7 @@ struct EvalOptions {
     uint32_t range_rule = VDNA_RANGE_ABOUT_MIDPOINT;
     std::vector<std::string> ablate;
     std::string cache, json, csv, npy, html;
-    std::string command_line; // as it was given
+    std::string command_line; // as given
 };
 
 bool contains(const std::vector<std::string> &names, const std::string &name)
@@ -57,7 +57,7 @@ void require_known(const frames::Dataset &dataset, const std::vector<std::string
                                       ", expected one of:" + known);
 }
 
-// Only the traversals that take part go through the network.
+// The traversals that take part; only these go through the network.
 frames::Dataset dataset_of(const EvalOptions &o)
 {
     frames::Dataset dataset = frames::load_dataset(o.dataset, o.format, o.partition_frames);
@@ -78,7 +78,7 @@ frames::Dataset dataset_of(const EvalOptions &o)
     return dataset;
 }
 
-// A list is for an ablation; a single value is a setting.
+// A list is only for an ablation; a single value is a setting.
 template <typename Value>
 void require_single(const std::vector<Value> &values, const std::string &option,
                     const std::vector<std::string> &ablate, const std::string &kind)
@@ -128,7 +128,7 @@ void write_results(const EvalOptions &o, const eval::Evaluation &evaluation,
         program::replace_file(o.html, report::report_of(evaluation, ablations, o.command_line));
 }
 
-// What was given on the command line, in the order of the help.
+// The given options, in the order of the help.
 std::string command_line_of(const CLI::App &command)
 {
     std::string line = "vdna " + command.get_name();
@@ -167,27 +167,27 @@ void add_dataset_options(CLI::App &command, EvalOptions &o)
         ->required();
     command
         .add_option("--format,--protocol", o.format,
-                    "folders (labels.csv in each), manifest (manifest.csv), nordland, parks (as "
-                    "folders, but 45 s of warmup and GPS), utm (positions in picture names); "
-                    "default: found out, except parks")
+                    "folders (labels.csv in each), manifest (manifest.csv), nordland, parks (like "
+                    "folders, with 45 s of warmup and GPS), utm (positions in picture names); "
+                    "default: auto-detected (parks must be named)")
         ->check(CLI::IsMember(frames::dataset_formats).description(""))
         ->type_name("NAME");
     command
         .add_option("--partition-frames", o.partition_frames,
-                    "frames of a partition, where a Nordland season is one folder")
+                    "frames per partition, if a Nordland season is one folder")
         ->check(CLI::Range(size_t{1}, size_t{1} << 32).description(""))
         ->type_name("N")
         ->capture_default_str();
-    command.add_option("--queries", o.queries, "traversals to be the live one (default: all)")
+    command.add_option("--queries", o.queries, "traversals that take the live role (default: all)")
         ->delimiter(',')
         ->type_name("NAME");
     command.add_option("--references", o.references, "traversals of the map (default: all)")
         ->delimiter(',')
         ->type_name("NAME");
-    command.add_option("--exclude", o.exclude, "leave these traversals out altogether")
+    command.add_option("--exclude", o.exclude, "leave these traversals out entirely")
         ->delimiter(',')
         ->type_name("NAME");
-    command.add_option("--rate", o.frames.rate_hz, "frames per second, if labels carry no utime")
+    command.add_option("--rate", o.frames.rate_hz, "frames per second, if labels have no utime")
         ->check(CLI::Validator(CLI::PositiveNumber).description(""))
         ->type_name("HZ")
         ->capture_default_str();
@@ -199,13 +199,13 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
 {
     command
         .add_option("--warmup", o.warmup,
-                    "first N frames or T seconds of the live traversal (default: the data set's; "
+                    "first N frames or T seconds of the live traversal (default: the data set's, "
                     "else two fifths of the shortest, at most 100 frames)")
         ->delimiter(',')
         ->type_name("N|Ts");
     command
         .add_option("--tolerance", o.tolerance,
-                    "a match is good within so many places or metres (default: the data set's; 5)")
+                    "a match is good within T places or metres (default: the data set's, else 5)")
         ->check(CLI::Validator(CLI::NonNegativeNumber).description(""))
         ->type_name("T");
     command
@@ -222,9 +222,10 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
         ->type_name("2..65536");
     add_range_rule_option(command, o.range_rule);
     command
-        .add_option("--ablate", o.ablate,
-                    "also change one thing and tell what becomes of the ranking: bins, warmup "
-                    "(--bins and --warmup may then be lists: 10,50,100), tap, leave-one-out")
+        .add_option(
+            "--ablate", o.ablate,
+            "also vary one thing and report the effect on the ranking: bins, warmup (--bins "
+            "and --warmup may then be lists: 10,50,100), tap, leave-one-out")
         ->delimiter(',')
         ->check(CLI::IsMember(eval::ablation_kinds).description(""))
         ->type_name("WHAT");
@@ -234,14 +235,14 @@ void add_output_options(CLI::App &command, EvalOptions &o)
 {
     command
         .add_option("--cache", o.cache,
-                    "directory of what was computed, by content (default: $XDG_CACHE_HOME/vdna)")
+                    "directory for cached results, by content (default: $XDG_CACHE_HOME/vdna)")
         ->type_name("DIR");
     command.add_option("--json", o.json, "write the results as JSON; - is standard output")
         ->type_name("FILE");
     command.add_option("--csv", o.csv, "write a row for each query and reference")
         ->type_name("FILE");
     command
-        .add_option("--npy", o.npy, "write matrices and embeddings for NumPy, index.json with them")
+        .add_option("--npy", o.npy, "write matrices and embeddings for NumPy, with an index.json")
         ->type_name("DIR");
     command
         .add_option("--html", o.html,
@@ -261,9 +262,9 @@ void add_eval(CLI::App &app)
     add_protocol_options(*command, *options);
     add_output_options(*command, *options);
     command->footer(
-        "Each traversal in turn is the live one: its warmup ranks the others, its other frames are "
-        "localised in each. Misplaced references are orange (one rank) or red (more), * or ** in "
-        "files. A run that was interrupted goes on where it was.\n\n"
+        "Each traversal in turn is the live one: its warmup ranks the others, and its remaining "
+        "frames are localised in each. Misplaced references are orange (one rank) or red (more), "
+        "* or ** in files. An interrupted run continues where it stopped.\n\n"
         "Examples:\n"
         "  vdna eval runs/ --tolerance 5 --json result.json\n"
         "  vdna eval nordland/ --protocol nordland --backbone cosplace_resnet101_128\n"

@@ -1,4 +1,4 @@
-// vdna info - what experience files and maps hold.
+// vdna info - shows the contents of experience files and maps.
 #include <algorithm>
 #include <numeric>
 
@@ -19,7 +19,7 @@ struct InfoOptions {
     bool json = false;
 };
 
-// Least and greatest of `count` numbers that lie `stride` apart.
+// Minimum and maximum of `count` numbers, `stride` apart.
 template <typename Number>
 program::Json bounds_of(const Number *values, size_t count, size_t stride = 1)
 {
@@ -110,15 +110,16 @@ void info(const InfoOptions &options)
 
 void add_info(CLI::App &app)
 {
-    CLI::App *command = app.add_subcommand("info", "Tell what experience files and maps hold");
+    CLI::App *command =
+        app.add_subcommand("info", "Show the contents of experience files and maps");
     const auto options = std::make_shared<InfoOptions>();
     command
         ->add_option("PATH", options->paths,
-                     "experience files, or map directories, whose experiences must also compare")
+                     "experience files, or map directories; experiences of a map must also compare")
         ->type_name("")
         ->required();
     command->add_flag("--json", options->json, "report as JSON");
-    command->footer("Times are in microseconds; [a, b] are least and greatest values.\n\n"
+    command->footer("Times are in microseconds; [a, b] are minimum and maximum.\n\n"
                     "Examples:\n"
                     "  vdna info park\n"
                     "  vdna info --json park/winter.vdna");

@@ -1,4 +1,4 @@
-// vdna localise - find live frames in the experiences of a map, and say how often that was right.
+// vdna localise - localises live frames in the experiences of a map and reports Recall@1.
 #include <cmath>
 #include <iomanip>
 
@@ -145,13 +145,12 @@ void localise(const LocaliseOptions &options)
 void add_localise(CLI::App &app)
 {
     CLI::App *command = app.add_subcommand(
-        "localise",
-        "Find live frames in the experiences of a map, and say how often that is right");
+        "localise", "Localise live frames in the experiences of a map, and report Recall@1");
     const auto options = std::make_shared<LocaliseOptions>();
     command
         ->add_option("LIVE_SOURCE", options->live,
-                     "folder of pictures, video file or LCM log; Recall@1 is told if it is "
-                     "labelled as the map is")
+                     "folder of pictures, video file or LCM log; Recall@1 is reported if it "
+                     "carries the same labels as the map")
         ->type_name("")
         ->required();
     command->add_option("MAP", options->map, "directory of the map")->type_name("")->required();
@@ -164,8 +163,7 @@ void add_localise(CLI::App &app)
         ->capture_default_str();
     command
         ->add_option("--tolerance", options->tolerance,
-                     "a match is good within so many places, or metres where both sides have "
-                     "positions")
+                     "a match is good within T places, or metres if both sides have positions")
         ->check(CLI::Validator(CLI::NonNegativeNumber).description(""))
         ->type_name("T")
         ->capture_default_str();

@@ -1,4 +1,4 @@
-// vdna - one command for maps. The sub-commands are in files of their own.
+// vdna - one command for maps. Each sub-command has its own file.
 #include <iostream>
 
 #include <vdna/cpp/error.hpp>
@@ -13,18 +13,9 @@ namespace
 
 void add_commands(CLI::App &app)
 {
-    vdna::tool::add_build(app);
-    vdna::tool::add_calibrate(app);
-    vdna::tool::add_info(app);
-    vdna::tool::add_rank(app);
-    vdna::tool::add_localise(app);
-    vdna::tool::add_play(app);
-    vdna::tool::add_watch(app);
-    vdna::tool::add_command(app);
-    vdna::tool::add_simulate(app);
-    vdna::tool::add_eval(app);
-    vdna::tool::add_metrics(app);
-    vdna::tool::add_model(app);
+#define VDNA_ADD_COMMAND(name) vdna::tool::add_##name(app);
+    VDNA_COMMANDS(VDNA_ADD_COMMAND)
+#undef VDNA_ADD_COMMAND
 }
 
 int fail(const std::string &sentence, int code)
@@ -41,9 +32,9 @@ void run(CLI::App &app, int argc, char **argv)
         if (app.get_subcommands().empty())
             std::cout << app.help();
     } catch (const CLI::Success &request) {
-        app.exit(request); // prints what --help and --version ask for
+        app.exit(request); // prints the answer to --help and --version
     }
-    // A full disk or a closed pipe is noticed here, not by whoever reads half a report.
+    // Detect a full disk or a closed pipe, so that half a report does not count as success.
     if (!std::cout.flush())
         throw vdna::Error("standard output: cannot write");
 }
@@ -53,13 +44,14 @@ void run(CLI::App &app, int argc, char **argv)
 int main(int argc, char **argv)
 {
     vdna::program::catch_interrupts();
-    CLI::App app("Onboard experience selection: make maps of recorded traversals, rank them by "
+    CLI::App app("Onboard experience selection: build maps from recorded traversals, rank them by "
                  "Visual DNA, localise in them",
                  "vdna");
     app.set_version_flag("--version", std::string("vdna ") + vdna_version());
     app.require_subcommand(0, 1);
-    app.footer("vdna COMMAND --help tells more. Exit codes: 0 done, 1 the input or the system did "
-               "not allow it, 2 wrong usage, 130 interrupted. Nothing half-written is left.");
+    app.footer(
+        "vdna COMMAND --help lists its options. Exit codes: 0 success, 1 error in the input or "
+        "the system, 2 wrong usage, 130 interrupted. Nothing half-written is left.");
     add_commands(app);
     try {
         run(app, argc, argv);

@@ -1,4 +1,4 @@
-// vdna metrics - judge published tables of recalls and distances, without pictures.
+// vdna metrics - evaluates published tables of recalls and distances, without pictures.
 #include <fstream>
 
 #include "eval/published_table.hpp"
@@ -22,7 +22,7 @@ program::Json parse(std::istream &stream, const std::string &name)
     try {
         return program::Json::parse(stream);
     } catch (const program::Json::parse_error &e) {
-        // Not its text, which repeats bytes of the file.
+        // The parser's message repeats bytes of the file, so leave it out.
         throw Error(name + ": not JSON at byte " + std::to_string(e.byte) +
                     ", expected an object of recalls and distances");
     } catch (const program::Json::exception &) {
@@ -58,7 +58,7 @@ void report(const MetricsOptions &options)
 void add_metrics(CLI::App &app)
 {
     CLI::App *command = app.add_subcommand(
-        "metrics", "Judge tables of recalls and distances, published ones for example");
+        "metrics", "Evaluate tables of recalls and distances, such as published ones");
     const auto options = std::make_shared<MetricsOptions>();
     command
         ->add_option(
@@ -68,9 +68,10 @@ void add_metrics(CLI::App &app)
         ->type_name("")
         ->required();
     command->add_flag("--json", options->json, "report as JSON");
-    command->footer("Pairs may be missing: a method is judged by those that it and recall have.\n\n"
-                    "Example:\n"
-                    "  vdna metrics table1.json --json");
+    command->footer(
+        "Pairs may be missing: a method is evaluated on those with recall and distance.\n\n"
+        "Example:\n"
+        "  vdna metrics table1.json --json");
     command->callback([options] { report(*options); });
 }
 

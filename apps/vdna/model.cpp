@@ -1,4 +1,4 @@
-// vdna model - networks: compare two precisions of one, and write what one is given.
+// vdna model - compares two precisions of a network, and writes the inputs of a network.
 #include <algorithm>
 #include <cstring>
 
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr size_t timed_pictures = 50;
 
 struct CheckOptions {
-    std::array<std::string, 2> manifests; // as it was, and in another precision
+    std::array<std::string, 2> manifests; // the original, and another precision
     std::string pictures;
     uint32_t threads = VDNA_BACKBONE_THREADS_DEFAULT;
     std::string cache;
@@ -37,12 +37,12 @@ struct InputsOptions {
     std::string npy;
 };
 
-// A network, and all that it makes of the pictures.
+// A network and its results for the pictures.
 struct Side {
     Backbone backbone;
     std::optional<eval::Frames> frames;
     std::optional<eval::Binning> binning;
-    std::optional<eval::Evaluation> evaluation; // nothing for pictures that are no data set
+    std::optional<eval::Evaluation> evaluation; // none if the pictures are not a data set
 
     Side(const std::string &manifest, uint32_t threads) : backbone(manifest, threads) {}
 };
@@ -62,7 +62,7 @@ void require_one_network(const vdna_backbone_info &a, const vdna_backbone_info &
 {
     const std::string names = std::string(a.identity.backbone) + " and " + b.identity.backbone;
     const char *const expected = "; expected two precisions of one network";
-    // Their models differ: compare all else.
+    // Their models differ, so compare everything else.
     vdna_identity as_a = b.identity;
     std::memcpy(as_a.model_sha256, a.identity.model_sha256, sizeof as_a.model_sha256);
     vdna_error why{};
@@ -74,7 +74,7 @@ void require_one_network(const vdna_backbone_info &a, const vdna_backbone_info &
                     " for the second" + expected);
 }
 
-// A folder of pictures is a data set of one traversal, in which nothing can be localised.
+// Treat a folder of pictures as a data set of one traversal, without localisation.
 frames::Dataset dataset_of(const std::string &path)
 {
     if (fs::exists(fs::path(path) / "manifest.csv") || !frames::holds_pictures(path))
@@ -105,7 +105,7 @@ double median_of(std::vector<double> values)
     return values[values.size() / 2];
 }
 
-// Both networks in turn on the same pictures, so that the ratio holds when the machine drifts.
+// Alternate both networks on the same pictures, so that the ratio is robust to drift.
 Latency time(std::array<Side, 2> &sides, const frames::Dataset &dataset)
 {
     std::vector<fs::path> files;
@@ -303,29 +303,31 @@ void add_check(CLI::App &app)
         ->type_name("")
         ->required();
     command
-        ->add_option("PICTURES", o->pictures,
-                     "data set as for `vdna eval`, or a folder of pictures, which tells nothing of "
-                     "rankings and recall")
+        ->add_option(
+            "PICTURES", o->pictures,
+            "data set as for `vdna eval`, or a folder of pictures, which gives no rankings "
+            "and no recall")
         ->type_name("")
         ->required();
     add_threads_option(*command, o->threads);
     command
         ->add_option("--cache", o->cache,
-                     "directory of what was computed, by content (default: $XDG_CACHE_HOME/vdna)")
+                     "directory for cached results, by content (default: $XDG_CACHE_HOME/vdna)")
         ->type_name("DIR");
     command->add_flag("--json", o->json, "report as JSON");
-    command->footer("Each network is evaluated on maps of its own, as it would be used: Visual DNA "
-                    "of different precisions never compares. Inference is timed with both in turn "
-                    "on the same pictures.\n\n"
-                    "Example:\n"
-                    "  vdna model check efficientnet_lite0 my/efficientnet_lite0_int8.toml runs/");
+    command->footer(
+        "Each network is evaluated on its own maps, as in real use: Visual DNA of different "
+        "precisions never compares. Inference times alternate between both networks on "
+        "the same pictures.\n\n"
+        "Example:\n"
+        "  vdna model check efficientnet_lite0 my/efficientnet_lite0_int8.toml runs/");
     command->callback([o] { check(*o); });
 }
 
 void add_inputs(CLI::App &app)
 {
     CLI::App *command = app.add_subcommand(
-        "inputs", "Write what a network is given for pictures: resized and normalised");
+        "inputs", "Write the network inputs of pictures: resized and normalised");
     const auto o = std::make_shared<InputsOptions>();
     command->add_option("NETWORK", o->network.backbone, "name of a manifest, or path of a .toml")
         ->type_name("")
@@ -337,7 +339,7 @@ void add_inputs(CLI::App &app)
         ->type_name("FILE")
         ->required();
     add_source_options(*command, o->source);
-    command->footer("models/quantise.py finds the ranges of activations with them.\n\n"
+    command->footer("models/quantise.py uses them to find the ranges of activations.\n\n"
                     "Example:\n"
                     "  vdna model inputs efficientnet_lite0 winter/ --every 10 --npy inputs.npy");
     command->callback([o] { write_inputs(*o); });

@@ -31,14 +31,14 @@ void add_source_options(CLI::App &command, frames::SourceOptions &options)
 {
     command
         .add_option("--rate", options.rate_hz,
-                    "frames per second of pictures whose labels carry no utime")
+                    "frames per second of pictures whose labels have no utime")
         ->check(CLI::Validator(CLI::PositiveNumber).description(""))
         ->type_name("HZ")
         ->capture_default_str();
     command.add_option("--camera", options.camera, "camera channel of an LCM log")
         ->type_name("CHANNEL")
         ->capture_default_str();
-    command.add_option("--every", options.every, "use every N-th frame only")
+    command.add_option("--every", options.every, "use only every N-th frame")
         ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 32).description(""))
         ->type_name("N")
         ->capture_default_str();
@@ -52,7 +52,7 @@ void add_labels_option(CLI::App &command, frames::SourceOptions &options)
         .add_option("--labels", options.labels,
                     "table with the columns file or frame, and place, or x,y[,z] in metres, or "
                     "lat,lon[,alt] in degrees, and utime in microseconds if known (default: "
-                    "SOURCE/labels.csv where it exists)")
+                    "SOURCE/labels.csv if it exists)")
         ->type_name("CSV");
 }
 
@@ -62,8 +62,9 @@ void add_range_rule_option(CLI::App &command, uint32_t &rule)
         {record::range_rules[VDNA_RANGE_ABOUT_MIDPOINT], VDNA_RANGE_ABOUT_MIDPOINT},
         {record::range_rules[VDNA_RANGE_ABOUT_ZERO], VDNA_RANGE_ABOUT_ZERO}};
     command
-        .add_option("--range-rule", rule,
-                    "calibrating: widen what was seen by 1.2 about its midpoint, or about zero")
+        .add_option(
+            "--range-rule", rule,
+            "calibration: widen the observed range by 1.2 about its midpoint, or about zero")
         ->transform(CLI::CheckedTransformer(rules).description(""))
         ->type_name("midpoint|zero")
         ->default_str(record::range_rules[rule]);

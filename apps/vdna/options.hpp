@@ -12,7 +12,7 @@
 namespace vdna::tool
 {
 
-// Which network runs, and how.
+// The network and its threads.
 struct NetworkOptions {
     std::string backbone; // manifest name or path; "" = the sub-command's default
     uint32_t threads = VDNA_BACKBONE_THREADS_DEFAULT;

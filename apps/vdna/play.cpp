@@ -1,4 +1,4 @@
-// vdna play: frames of a recording sent over LCM, as a camera driver would.
+// vdna play - sends the frames of a recording over LCM, like a camera driver.
 #include <cerrno>
 #include <chrono>
 #include <iostream>
@@ -23,19 +23,19 @@ namespace
 struct PlayOptions {
     std::string source;
     frames::SourceOptions reading;
-    uint64_t frames = std::numeric_limits<uint64_t>::max(); // to send in all
+    uint64_t frames = std::numeric_limits<uint64_t>::max(); // maximum to send
     bool loop = false;
     std::string stamp = "now";
     std::string url;
 };
 
-// A beat to send frames on; a late one does not move those that follow.
+// A regular beat for sending frames; a late beat does not delay later ones.
 class Beat
 {
   public:
     explicit Beat(double rate_hz) : period_us_(1e6 / rate_hz) {}
 
-    // Throws Error if Ctrl-C comes while waiting.
+    // Throws Error on Ctrl-C.
     void wait()
     {
         const int64_t due_us = begin_us_ + static_cast<int64_t>(beats_++ * period_us_);
@@ -76,7 +76,7 @@ void send(vdna_transport *transport, const PlayOptions &options, const frames::F
                     vdna_status_text(status) + "; see to the network, or play smaller pictures");
 }
 
-// Send the source once; returns how many frames were sent, `limit` at most.
+// Send the source once, at most `limit` frames; returns the number sent.
 uint64_t play_once(vdna_transport *transport, const PlayOptions &options, uint64_t limit,
                    Beat &beat)
 {
@@ -125,7 +125,7 @@ void play(const PlayOptions &options)
 
 void add_play(CLI::App &app)
 {
-    CLI::App *command = app.add_subcommand("play", "send a recording over LCM, as a camera would");
+    CLI::App *command = app.add_subcommand("play", "Send a recording over LCM, as a camera would");
     const auto options = std::make_shared<PlayOptions>();
     command->add_option("source", options->source, "folder of pictures, video or LCM log")
         ->required()
@@ -136,15 +136,15 @@ void add_play(CLI::App &app)
         ->capture_default_str();
     command->add_option("--channel", options->reading.camera, "channel to send on")
         ->capture_default_str();
-    command->add_option("--skip", options->reading.skip, "leave out the first frames")
+    command->add_option("--skip", options->reading.skip, "leave out the first N frames")
         ->type_name("N");
-    command->add_option("--frames", options->frames, "stop after so many frames")
+    command->add_option("--frames", options->frames, "stop after N frames")
         ->type_name("N")
         ->check(CLI::Range(uint64_t{1}, std::numeric_limits<uint64_t>::max()));
-    command->add_flag("--loop", options->loop, "begin anew at the end, until Ctrl-C");
+    command->add_flag("--loop", options->loop, "start again at the end, until Ctrl-C");
     command
         ->add_option("--stamp", options->stamp,
-                     "camera time of a frame: when it is sent, or as recorded")
+                     "camera time of a frame: time of sending, or as recorded")
         ->check(CLI::IsMember({"now", "recorded"}))
         ->capture_default_str();
     command

@@ -1,4 +1,4 @@
-// vdna rank - order experiences by the distance of their Visual DNA to a query.
+// vdna rank - orders experiences by the distance of their Visual DNA to a query.
 #include <iomanip>
 
 #include <vdna/cpp/error.hpp>
@@ -32,15 +32,15 @@ struct RankOptions {
     bool json = false;
 };
 
-// A ranking and what to say about it.
+// A ranking with the facts to report.
 struct Ranking {
     std::string query;
     uint32_t frames = 0;            // of the query
-    uint64_t restarts = 0;          // of the warmup, because camera time ran backwards
-    uint64_t bad = 0;               // frames that could not be used
+    uint64_t restarts = 0;          // of the warmup, after camera time ran backwards
+    uint64_t bad = 0;               // unusable frames
     std::vector<std::string> names; // [candidates]
     std::vector<vdna_rank_entry> entries;
-    std::vector<Tap> taps;                          // empty unless asked for
+    std::vector<Tap> taps;                          // empty unless requested
     std::vector<std::vector<double>> tap_distances; // [candidates][taps], bins
 };
 
@@ -64,7 +64,7 @@ void add_taps(Ranking &ranking, const std::string &taps, const vdna_hist_view &q
         ranking.tap_distances.push_back(tap_distances(query, candidate, ranking.taps));
 }
 
-// The first experience file against the others.
+// Rank the other experience files against the first.
 Ranking rank_files(const RankOptions &options)
 {
     const std::vector<Experience> files = record::open_experiences(options.paths);
@@ -113,7 +113,7 @@ bool feed(Selector &selector, const record::Pass &pass)
     return answer.newly_ranked != 0;
 }
 
-// The first frames of a source against a map, as the daemon would rank them.
+// Rank a map by the first frames of a source, as the daemon would.
 Ranking rank_live(const RankOptions &options)
 {
     const std::string &source = options.paths[0];
@@ -237,7 +237,7 @@ void add_rank(CLI::App &app)
     command
         ->add_option("PATH", options->paths,
                      "LIVE_SOURCE MAP: a folder of pictures, video file or LCM log, and the map to "
-                     "choose from, or experience files of which the first is the query")
+                     "choose from; or experience files, the first of which is the query")
         ->type_name("")
         ->expected(2, -1)
         ->required();
@@ -248,7 +248,8 @@ void add_rank(CLI::App &app)
         ->capture_default_str();
     command->add_option("--exclude", options->exclude, "live: leave these experiences out")
         ->type_name("NAME");
-    command->add_flag("--per-tap", options->per_tap, "also the distance of each activation tap");
+    command->add_flag("--per-tap", options->per_tap,
+                      "also report the distance of each activation tap");
     add_network_options(*command, options->network, "that of the map");
     add_source_options(*command, options->source);
     add_labels_option(*command, options->source);

@@ -1,4 +1,4 @@
-// vdna simulate - pictures of a made-up route, for trials without a robot.
+// vdna simulate - renders pictures of an imaginary route, for trials without a robot.
 #include <cstdio>
 #include <memory>
 
@@ -59,7 +59,7 @@ std::string condition_names()
     return names;
 }
 
-// Like CLI::Range, which lets "nan" pass.
+// Like CLI::Range, but refuses "nan".
 CLI::Validator within(double lo, double hi)
 {
     const auto check = [lo, hi](const std::string &text) -> std::string {
@@ -89,12 +89,12 @@ void add_drive_options(CLI::App &command, simulate::DriveConfig &drive)
         ->capture_default_str();
     command
         .add_option("--variation", drive.variation,
-                    "how far this drive strays from the condition's plain look, from the middle "
-                    "of the path and from the step")
+                    "deviation of this drive from the condition's plain look, the middle of the "
+                    "path and the step")
         ->check(within(0, 1))
         ->type_name("0..1")
         ->capture_default_str();
-    command.add_option("--drive", drive.seed, "seed of this drive's own chance")
+    command.add_option("--drive", drive.seed, "seed of this drive's random numbers")
         ->type_name("N")
         ->capture_default_str();
 }
@@ -104,17 +104,19 @@ void add_picture_options(CLI::App &command, Arguments &arguments)
     command.add_option("--condition", arguments.condition, "one of " + condition_names())
         ->type_name("NAME")
         ->capture_default_str();
-    command.add_option("--seed", arguments.seed, "of the world: the same seed is the same route")
+    command
+        .add_option("--seed", arguments.seed,
+                    "seed of the world: the same seed gives the same route")
         ->type_name("N")
         ->capture_default_str();
     command.add_option("--frames", arguments.recording.frames, "pictures to render")
         ->check(CLI::Range(size_t{1}, size_t{999999}).description(""))
         ->type_name("N")
         ->capture_default_str();
-    command.add_option("--size", arguments.size, "of a picture, in pixels")
+    command.add_option("--size", arguments.size, "size of a picture, in pixels")
         ->type_name("WxH")
         ->capture_default_str();
-    command.add_option("--quality", arguments.recording.quality, "of the JPEG files")
+    command.add_option("--quality", arguments.recording.quality, "quality of the JPEG files")
         ->check(CLI::Range(1, 100).description(""))
         ->type_name("1..100")
         ->capture_default_str();
@@ -126,14 +128,14 @@ void add_simulate(CLI::App &app)
 {
     const auto arguments = std::make_shared<Arguments>();
     CLI::App *command = app.add_subcommand(
-        "simulate", "Render a drive along a made-up route: pictures and labels.csv");
+        "simulate", "Render a drive along an imaginary route: pictures and labels.csv");
     command->add_option("OUT", arguments->out, "directory to write")->type_name("")->required();
     add_picture_options(*command, *arguments);
     add_drive_options(*command, arguments->drive);
     command->add_flag("--force", arguments->recording.force, "replace an earlier recording");
     command->add_flag("--sheet", arguments->sheet,
-                      "write one picture file instead: a row for each condition, and --frames "
-                      "places in columns");
+                      "write one picture file instead, with a row for each condition and a column "
+                      "for each of --frames places");
     command->footer("Examples:\n"
                     "  vdna simulate winter/ --condition winter\n"
                     "  vdna simulate live/ --condition spring --variation 0.6 --drive 2\n"

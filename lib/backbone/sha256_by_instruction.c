@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* Both kinds of processors take four words of the message at a time, with these added to them. */
+/* The round constants. Both kinds of processors take four words of the message at a time. */
 #define GROUPS 16
 static const uint32_t constants[4 * GROUPS] = {
     0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5,

@@ -37,9 +37,9 @@ MatrixXd compact(const MatrixXd &frames)
     return qr.matrixQR().topRows(frames.cols()).triangularView<Eigen::Upper>();
 }
 
-// tr((S1 S2)^(1/2)): the singular values of S1^(1/2) S2^(1/2) are those of X1 X2^T. Few frames, as
-// of a warmup, make that product narrow; then compacting the many, which costs the most by far, is
-// left out.
+// tr((S1 S2)^(1/2)): the singular values of S1^(1/2) S2^(1/2) are those of X1 X2^T. With few
+// frames, as in a warmup, that product is narrow, so compacting the larger set, by far the greatest
+// cost, is left out.
 double trace_of_root(const MatrixXd &x1, const MatrixXd &x2)
 {
     const MatrixXd &few = x1.rows() < x2.rows() ? x1 : x2, &many = x1.rows() < x2.rows() ? x2 : x1;

@@ -1,6 +1,6 @@
 # Debian packages, by `cmake --build build --target package`: libvdna0, libvdna-dev, vdna-dbgsym and,
-# where they are built, libvdna-backbone0 and -dev, vdna-selectord, vdna and vdna-networks. Each is a
-# component of `cmake --install`, from which what only a package has is excluded.
+# where they are built, libvdna-backbone0, libvdna-backbone-dev, vdna-selectord, vdna and vdna-networks.
+# Each is a component of `cmake --install`, from which what only a package has is excluded.
 # dpkg-shlibdeps knows the packages of this machine only.
 if(CMAKE_CROSSCOMPILING)
   return()
@@ -46,22 +46,6 @@ set(CPACK_DEBIAN_DEBUG_PACKAGE_SECTION debug)
 set(CPACK_DEBIAN_DEBUG_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_COMPONENT_DEBUG_DESCRIPTION
   "${about} the debug information of the libraries and\nthe programs.")
-if(VDNA_BACKBONE)
-  list(APPEND CPACK_COMPONENTS_ALL backbone_runtime backbone_development)
-  set(CPACK_DEBIAN_BACKBONE_RUNTIME_PACKAGE_NAME libvdna-backbone${PROJECT_VERSION_MAJOR})
-  set(CPACK_DEBIAN_BACKBONE_RUNTIME_PACKAGE_SECTION libs)
-  configure_file("${debian}/shlibs-backbone.in" "${made}/backbone/shlibs" @ONLY)
-  set(CPACK_DEBIAN_BACKBONE_RUNTIME_PACKAGE_CONTROL_EXTRA "${debian}/triggers"
-    "${made}/backbone/shlibs")
-  set(CPACK_COMPONENT_BACKBONE_RUNTIME_DESCRIPTION
-    "${about} the shared library that runs networks, with\nONNX Runtime where that is, or as plug-ins.")
-  set(CPACK_DEBIAN_BACKBONE_DEVELOPMENT_PACKAGE_NAME libvdna-backbone-dev)
-  set(CPACK_DEBIAN_BACKBONE_DEVELOPMENT_PACKAGE_SECTION libdevel)
-  set(CPACK_DEBIAN_BACKBONE_DEVELOPMENT_PACKAGE_DEPENDS
-    "libvdna-backbone${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}), libvdna-dev (= ${PROJECT_VERSION})")
-  set(CPACK_COMPONENT_BACKBONE_DEVELOPMENT_DESCRIPTION
-    "${about} the headers of the library that runs networks.")
-endif()
 if(VDNA_BACKBONE)
   list(APPEND CPACK_COMPONENTS_ALL backbone_runtime backbone_development)
   set(CPACK_DEBIAN_BACKBONE_RUNTIME_PACKAGE_NAME libvdna-backbone${PROJECT_VERSION_MAJOR})

@@ -22,7 +22,7 @@ vdna_status vdna_taps_shape(const vdna_activations *taps, size_t tap_count, uint
     return VDNA_OK;
 }
 
-/* Without an early exit, so that the loop vectorises: good frames are the rule. */
+/* No early exit, so that the loop vectorises: good frames are the rule. */
 VDNA_VECTORISED static int all_finite(const float *values, size_t count)
 {
     int finite = 1;

@@ -1,7 +1,7 @@
 #include "count.h"
 #include "vectorised.h"
 
-/* Neighbouring neurons are counted together, so that all but the counting itself vectorises. */
+/* Neighbouring neurons are counted together, so that everything but the increments vectorises. */
 enum { AT_A_TIME = sizeof(void *) > 4 ? 128 : 8 }; /* a microcontroller's stack is small */
 
 /* The range of the neuron in each lane. */
@@ -17,9 +17,9 @@ static inline void set_axis(const vdna_hist *hist, size_t neuron, axes *a, size_
     a->half[lane] = (hi - lo) / 2;
 }
 
-/* The definition to the letter: half-open bins, the last closed; samples beyond the range land in
- * an edge bin. Branch-free: run time does not depend on the data.
- * @param x  place of the sample: -1 and 1 are the ends of the range */
+/* The definition to the letter: half-open bins, the last one closed; values beyond the range land
+ * in an edge bin. Branch-free: run time does not depend on the data.
+ * @param x  position of the sample: -1 and 1 are the ends of the range */
 /*@ requires VDNA_HIST_BINS_MIN <= bins <= VDNA_HIST_BINS_MAX;
     assigns \nothing;
     ensures \result < bins; */
@@ -61,7 +61,7 @@ static inline uint16_t slot_of(uint32_t bin, uint32_t is_beyond, uint32_t bins)
 static inline void count_row(vdna_hist *hist, const axes *a, size_t neuron, const float *values,
                              size_t count, uint16_t *out_slots)
 {
-    /* Copies, because the compiler cannot know that counting changes none of them. */
+    /* Copies, because the compiler cannot know that counting leaves the originals alone. */
     uint32_t *const counts = hist->counts + neuron, *const saturated = hist->saturated + neuron;
     const size_t neurons = hist->neurons;
     const uint32_t bins = hist->bins;

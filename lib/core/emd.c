@@ -30,11 +30,11 @@ static vdna_status check_arguments(const vdna_hist_view *p, const vdna_hist_view
     return VDNA_OK;
 }
 
-/* Neighbouring neurons of the same two masses, as those of a tap: over the least common multiple of
- * both, their cumulative histograms become whole numbers. */
+/* Neighbouring neurons with the same two masses, such as those of one tap. Scaled to the least
+ * common multiple of both masses, their cumulative histograms are whole numbers. */
 typedef struct span {
     size_t first, count;       /* neurons */
-    uint32_t scale_p, scale_q; /* what a count of P, and of Q, is multiplied by */
+    uint32_t scale_p, scale_q; /* factors for the counts of P and Q */
     uint64_t mass;             /* the common multiple */
 } span;
 
@@ -60,8 +60,8 @@ static span span_from(const vdna_hist_view *p, const vdna_hist_view *q, size_t f
     return s;
 }
 
-/* For the proofs of add_row() and add_narrow_row() in test/hostile/proof. `moved` is what a bin
- * adds to the running difference; sum_span() has checked the bound by which all of it fits. */
+/* For the proofs of add_row() and add_narrow_row() in test/hostile/proof. `moved` is the amount that
+ * a bin adds to the running difference; sum_span() has checked the bound that makes everything fit. */
 /*@ lemma product: \forall integer x, y; 0 <= x <= UINT32_MAX && 0 <= y <= UINT32_MAX ==>
       0 <= x * y <= UINT64_MAX;
     predicate fits(integer difference, integer sum, integer moved) =
@@ -111,7 +111,7 @@ VDNA_VECTORISED static void add_row(const uint32_t *restrict row_p, const uint32
     }
 }
 
-/* As add_row(), where all of it fits 32 bits: twice as many neurons in a vector. */
+/* add_row() for numbers that fit 32 bits: twice as many neurons in a vector. */
 /*@ requires \valid_read(row_p + (0 .. neurons - 1)) && \valid_read(row_q + (0 .. neurons - 1));
     requires \valid(difference + (0 .. neurons - 1)) && \valid(sum + (0 .. neurons - 1));
     requires \separated(row_p + (0 .. neurons - 1), difference + (0 .. neurons - 1),
@@ -148,8 +148,8 @@ VDNA_VECTORISED static void add_narrow_row(const uint32_t *restrict row_p,
     }
 }
 
-/* The exact sums of a span. Row by row: each row is one pass over memory that vectorises. The last
- * bin adds nothing to a sum, because both cumulative histograms end at 1. */
+/* The exact sums of a span. Row by row: each row is one vectorised pass over memory. The last bin
+ * adds nothing to a sum, because both cumulative histograms end at 1. */
 static void sum_rows(const vdna_hist_view *p, const vdna_hist_view *q, const span *s, const work *w)
 {
     memset(w->difference, 0, s->count * sizeof *w->difference);
@@ -159,7 +159,8 @@ static void sum_rows(const vdna_hist_view *p, const vdna_hist_view *q, const spa
                 w->sum);
 }
 
-/* sum_rows() in 32 bits, which lie where the 64-bit differences would, and are then widened. */
+/* sum_rows() in 32 bits, inside the memory of the 64-bit differences; the sums are widened at the
+ * end. */
 static void sum_narrow_rows(const vdna_hist_view *p, const vdna_hist_view *q, const span *s,
                             const work *w)
 {
@@ -173,7 +174,7 @@ static void sum_narrow_rows(const vdna_hist_view *p, const vdna_hist_view *q, co
         w->sum[n] = sum[n];
 }
 
-/* No running difference is larger than the common mass, no sum than that times the bins in it. */
+/* A running difference never exceeds the common mass, a sum never that mass times its bins. */
 static vdna_status sum_span(const vdna_hist_view *p, const vdna_hist_view *q, const span *s,
                             const work *w)
 {
@@ -187,11 +188,11 @@ static vdna_status sum_span(const vdna_hist_view *p, const vdna_hist_view *q, co
     return VDNA_OK;
 }
 
-/* Up to here integers are doubles without rounding. */
+/* Integers up to here convert to double without rounding. */
 #define EXACT_DOUBLES ((uint64_t)1 << 53)
 
-/* sum / mass rounded to nearest: by long division to 55 bits, of which the last one says whether
- * anything lies below, so that only the conversion to double rounds. mass is below 2^63. */
+/* sum / mass, rounded to nearest. Long division gives 55 bits, the last of which is sticky, so that
+ * only the conversion to double rounds. mass is below 2^63. */
 static double long_quotient(uint64_t sum, uint64_t mass)
 {
     uint64_t whole = sum / mass, rest = sum % mass;

@@ -87,8 +87,8 @@ vdna_status vdna_hist_add(vdna_hist *hist, const vdna_activations *taps, size_t 
     return VDNA_OK;
 }
 
-/* The contracts of these three are proved in test/hostile/proof; the prover handles sums more easily
- * as differences. */
+/* The contracts of these three are proved in test/hostile/proof. The prover handles sums more
+ * easily as differences. */
 /*@ requires \valid(to + (0 .. words - 1)) && \valid_read(from + (0 .. words - 1));
     requires \separated(to + (0 .. words - 1), from + (0 .. words - 1));
     requires \forall integer i; 0 <= i < words ==> to[i] <= UINT32_MAX - from[i];
@@ -105,7 +105,7 @@ static void add_words(uint32_t *to, const uint32_t *from, size_t words)
         to[i] += from[i];
 }
 
-/* Whether each word of `to` can be diminished by that of `from`. */
+/* Whether each word of `from` can be subtracted from that of `to`. */
 /*@ requires \valid_read(to + (0 .. words - 1)) && \valid_read(from + (0 .. words - 1));
     assigns \nothing;
     ensures \result != 0 ==> \forall integer i; 0 <= i < words ==> from[i] <= to[i]; */
@@ -137,7 +137,7 @@ static void subtract_words(uint32_t *to, const uint32_t *from, size_t words)
         to[i] -= from[i];
 }
 
-/* Counts, mass and saturation lie in one block of rows: what is true of one is done to all. */
+/* Counts, mass and saturation lie in one block of rows: one loop serves all three. */
 static size_t words_of(const vdna_hist *hist)
 {
     return (size_t)hist->neurons * (hist->bins + 2u);
@@ -149,7 +149,7 @@ static vdna_hist_view view_of(const vdna_hist *hist)
     return view;
 }
 
-/* Ranges are the same if their bytes are: histograms of one map share theirs or have a copy. */
+/* Ranges are compared by their bytes: histograms of one map share a range or have copies of it. */
 static vdna_status check_same_shape(const vdna_hist_view *a, const vdna_hist_view *b)
 {
     if (a->neurons != b->neurons || a->bins != b->bins)

@@ -7,11 +7,11 @@
 enum { BLOCK = sizeof(void *) > 4 ? 32 : 8 };
 
 /* Independent partial sums, always added up in the same order: the loops vectorise without
- * permission to reorder, and give the same bits whether they were vectorised or not. */
+ * permission to reorder, and give the same bits, vectorised or not. */
 enum { LANES = 16 };
 
-/* Squared distances of neighbouring rows. Lanes are added up when all rows have theirs, which
- * vectorises over the rows. */
+/* Squared distances of neighbouring rows. Lanes are added up after all rows have theirs, so that
+ * this step vectorises over the rows. */
 VDNA_VECTORISED static void distances_sq(const float *query, const float *map, size_t rows,
                                          size_t dim, float *out_sq)
 {
@@ -39,8 +39,8 @@ VDNA_VECTORISED static void distances_sq(const float *query, const float *map, s
     }
 }
 
-/* Keep `matches` sorted; a later row goes behind an earlier one of equal distance.
- * @return how many there are now, at most `capacity` */
+/* Keep `matches` sorted; at equal distance, earlier rows come first.
+ * @return matches now, at most `capacity` */
 static uint32_t insert(vdna_knn_match *matches, uint32_t count, uint32_t capacity,
                        double distance_sq, uint32_t row)
 {

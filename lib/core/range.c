@@ -68,7 +68,7 @@ vdna_status vdna_range_observe(float *range, uint32_t neurons, const vdna_activa
     return VDNA_OK;
 }
 
-/* The widened edges of one neuron, in double so that no rounding moves an edge inwards twice. */
+/* The widened edges of one neuron, in double, so that an edge is rounded only once. */
 static void expanded(const float *lo_hi, double factor, uint32_t rule, double *out_lo,
                      double *out_hi)
 {

@@ -12,23 +12,23 @@ static const vdna_window_config window_defaults = {
     0, 0, 0, NULL, 0, NULL, VDNA_HIST_BINS_DEFAULT, VDNA_WINDOW_LAST,
 };
 
-/* At the beginning of the caller's block; then, for a last window, the stamps; the histogram; and
- * for a last window the slots. */
+/* At the beginning of the caller's block. The stamps (last window only), the histogram and the
+ * slots (last window only) follow. */
 struct vdna_window {
     vdna_hist hist;
     const vdna_activations *taps; /* [tap_count], the shape of frames; NULL for a first window */
     size_t tap_count;
-    int64_t *utime;      /* [capacity]; not there for a first window, as the next two */
+    int64_t *utime;      /* [capacity]; this and the next two: last window only */
     uint16_t *slots;     /* [capacity][frame_values] */
     size_t frame_values; /* activations of one frame, all taps together */
     int64_t length_us;   /* 0 = by frames */
-    int64_t first_utime; /* valid while there is a frame, as the next */
+    int64_t first_utime; /* this and the next: valid while there is a frame */
     int64_t last_utime;
     int64_t left_utime; /* valid while truncated */
     uint64_t left_early;
     uint64_t restarts;
     uint32_t capacity;
-    uint32_t oldest; /* its place among the stamps and the slots */
+    uint32_t oldest; /* its index into the stamps and the slots */
     uint8_t is_first;
     uint8_t is_complete;
     uint8_t is_truncated;
@@ -73,7 +73,7 @@ static int is_window_config(const vdna_window_config *config)
            (config->which == VDNA_WINDOW_FIRST || config->bins <= VDNA_WINDOW_BINS_MAX);
 }
 
-/* What a last window keeps of each frame. @return 0 if that is too much to count or to address */
+/* Sizes of what a last window keeps. @return 0 if it is too much to count or to address */
 static int size_frames(const vdna_window_config *config, uint64_t *out_utime, uint64_t *out_values)
 {
     *out_utime = (uint64_t)config->capacity * sizeof(int64_t);
@@ -161,7 +161,7 @@ void vdna_window_reset(vdna_window *window)
     window->is_truncated = 0;
 }
 
-/* The rest of what a frame of a last window must be: its bins are kept tap by tap. */
+/* One more check of frames for a last window, which keeps slots tap by tap. */
 static int is_of_shape(const vdna_window *window, const vdna_activations *taps, size_t tap_count)
 {
     if (tap_count != window->tap_count)
@@ -202,7 +202,7 @@ static uint64_t elapsed_us(int64_t earlier, int64_t later)
     return (uint64_t)later - (uint64_t)earlier;
 }
 
-/* Are two frames, the later of them not earlier in time, too far apart for one window? */
+/* Whether two frames are too far apart for one window; `later` is not the earlier in time. */
 static int are_apart(const vdna_window *window, int64_t earlier, int64_t later)
 {
     return window->length_us > 0 && elapsed_us(earlier, later) >= (uint64_t)window->length_us;
@@ -245,8 +245,8 @@ static void add_to_first(vdna_window *window, int64_t utime, const vdna_activati
     window->is_complete = window->hist.frames == window->capacity;
 }
 
-/* What a frame of this stamp does to the window: VDNA_WINDOW_ bits, of which COMPLETE is here only
- * for a frame that lies beyond it. */
+/* The effects of a frame of this stamp: VDNA_WINDOW_ bits. COMPLETE is set here only for a frame
+ * beyond the window. */
 static uint32_t events_of(const vdna_window *window, int64_t utime)
 {
     if (window->is_complete)
@@ -279,8 +279,8 @@ vdna_status vdna_window_add(vdna_window *window, int64_t utime, const vdna_activ
     if (status != VDNA_OK)
         return status;
     uint32_t events = events_of(window, utime);
-    /* A window that begins anew has room for any frame; the masses of a last window are bounded by
-     * its capacity. */
+    /* A window that begins anew has room for any frame; a last window's capacity bounds its
+     * masses. */
     if (events == VDNA_WINDOW_ADDED && window->is_first &&
         !vdna_fits_frame(&window->hist, taps, tap_count))
         return VDNA_ERR_FULL;

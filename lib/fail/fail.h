@@ -1,4 +1,4 @@
-/* Private to lib/: how a call that fails fills its vdna_error. */
+/* Private to lib/: filling the vdna_error of a failed call. */
 #ifndef VDNA_FAIL_H
 #define VDNA_FAIL_H
 
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <vdna/status.h>
 
-/* Write the sentence, if it is wanted, and hand the status through:
+/* Write the sentence, if the caller wants it, and return the status:
  *     return vdna_fail(error, VDNA_ERR_IO, "%s: cannot open: %s", path, strerror(errno)); */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))

@@ -1,4 +1,4 @@
-// How the inside of a C++ library fails, and what its C ABI makes of it.
+// Failures inside a C++ library, and their translation at its C ABI.
 #pragma once
 
 #include <new>
@@ -25,7 +25,7 @@ class Failure : public std::runtime_error
     vdna_status status_;
 };
 
-// Run `body`, and make a status and a sentence of whatever it throws: nothing passes the border.
+// Run `body`, and turn anything it throws into a status and a sentence: no exception escapes.
 template <class Body>
 vdna_status guarded(vdna_error *error, Body body) noexcept
 {

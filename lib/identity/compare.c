@@ -3,14 +3,13 @@
 #include <string.h>
 #include <vdna/identity.h>
 
-/* Most characters of a value in the sentence: two, and what the caller adds, must fit a vdna_error.
- */
+/* Most characters shown of a value: two values and the caller's words must fit a vdna_error. */
 #define SHOWN 100u
 
-/* Characters before the first difference that are left in a value that is cut. */
+/* Characters kept before the first difference when a value is cut. */
 #define KEPT 20u
 
-/* Where to begin to show two values: not at once if they are long and begin alike. */
+/* Offset from which two values are shown: long values that begin alike are cut at the front. */
 static size_t shown_from(const char *of_a, const char *of_b)
 {
     size_t same = 0;
@@ -34,7 +33,7 @@ static vdna_status compare_texts(const char *field, const char *of_a, const char
     return strcmp(of_a, of_b) == 0 ? VDNA_OK : differ(field, of_a, of_b, error);
 }
 
-/* Compare numbers of which 0 stands for "not known yet". */
+/* Compare numbers; 0 means "not known yet". */
 static vdna_status compare_numbers(const char *field, uint32_t of_a, uint32_t of_b,
                                    vdna_error *error)
 {
@@ -61,7 +60,7 @@ static vdna_status compare_ranges(const vdna_identity *a, const vdna_identity *b
 {
     if (!a->range || !b->range)
         return VDNA_OK;
-    /* As the histograms compare them: by their bits. */
+    /* Bitwise, as histograms compare ranges. */
     for (uint32_t n = 0; n < a->neurons; n++) {
         const float *ra = a->range + 2 * (size_t)n, *rb = b->range + 2 * (size_t)n;
         if (memcmp(ra, rb, 2 * sizeof(float)) == 0)

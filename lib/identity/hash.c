@@ -10,7 +10,7 @@ vdna_status vdna_identity_text(const vdna_identity *identity,
 {
     if (!identity || !out_text)
         return VDNA_ERR_ARG;
-    /* No text can hold the newline that ends it. */
+    /* No text can contain the newline that ends its line. */
     snprintf(out_text, VDNA_IDENTITY_TEXT_SIZE,
              "vdna-comparable 1\n%.64s\n%.511s\n%.2047s\n%" PRIu32 "\n%" PRIu32 "\n",
              identity->model_sha256, identity->preprocessing, identity->taps, identity->dim,

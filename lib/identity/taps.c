@@ -8,7 +8,7 @@
 #define NUMBERS_SIZE 24
 
 /* Read the number that ends before `end` and begins after a ':' at or after `begin`.
- * @return where the ':' is; NULL if there is no such number in 1..UINT32_MAX */
+ * @return the ':'; NULL if there is no such number in 1..UINT32_MAX */
 static const char *number_before(const char *begin, const char *end, uint32_t *out_number)
 {
     uint64_t number = 0, place = 1;

@@ -5,21 +5,21 @@
 #include <stddef.h>
 #include <vdna/status.h>
 
-/* An alphabet: whether it has a character. */
+/* An alphabet: whether it contains a character. */
 typedef int vdna_alphabet(char c);
 
-/* What every JSON writer writes alike, and without a newline. */
+/* The characters that every JSON writer writes alike; no newline. */
 int vdna_is_printable(char c);
 
 /* Check a text in a field of `size` bytes, which may lack a NUL.
- * @param called    what the message calls it, a space behind it; "" = nothing
- * @param expected  the alphabet for people: "printable ASCII characters"
- * @param error     filled on failure, without the text itself, which may hold anything
+ * @param called    its name in the message, with a space after it; "" = none
+ * @param expected  the alphabet in words: "printable ASCII characters"
+ * @param error     filled on failure, without quoting the text, which may hold anything
  * @return VDNA_OK; VDNA_ERR_ARG */
 vdna_status vdna_text_check(const char *called, const char *text, size_t size,
                             vdna_alphabet *alphabet, const char *expected, vdna_error *error);
 
-/* The same for what has the alphabet of names. */
+/* The same for a text in the alphabet of names. */
 vdna_status vdna_text_check_name(const char *called, const char *text, size_t size,
                                  vdna_error *error);
 

@@ -19,9 +19,9 @@
     {SIXTY_FOUR(0, __VA_ARGS__), SIXTY_FOUR(64, __VA_ARGS__), SIXTY_FOUR(128, __VA_ARGS__), \
      SIXTY_FOUR(192, __VA_ARGS__)}
 
-/* tables[k][byte]: the register that `byte` leaves behind after k more bytes of zeros. Read from
- * the end of each line, the constants are what 1, 2, 3 ... 64 single steps make of a lone 1 bit:
- * a step is x -> x >> 1 ^ (x & 1 ? 0x82f63b78 : 0). */
+/* tables[k][byte]: the register after `byte` and k more zero bytes. Read from the end of each line,
+ * the constants are a lone 1 bit after 1, 2, 3 ... 64 single steps; a step is
+ * x -> x >> 1 ^ (x & 1 ? 0x82f63b78 : 0). */
 static const uint32_t tables[8][256] = {
     TABLE(0xf26b8303u, 0xe13b70f7u, 0xc79a971fu, 0x8ad958cfu, 0x105ec76fu, 0x20bd8edeu, 0x417b1dbcu,
           0x82f63b78u),
@@ -41,7 +41,7 @@ static const uint32_t tables[8][256] = {
           0x34019664u),
 };
 
-/* Compilers make this one load where the machine allows it. */
+/* Compilers turn this into one load if the machine allows it. */
 static uint32_t little_endian(const unsigned char *bytes)
 {
     return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |

@@ -45,12 +45,12 @@ HAS_INSTRUCTION static uint32_t add_byte(uint32_t x, unsigned char byte)
 
 #ifdef HAS_INSTRUCTION
 
-/* Each instruction waits for the one before it, but a processor has three under way at a time. So
- * three streams of so many bytes are read side by side. */
+/* Bytes of a stream. Each instruction waits for the one before it, but a processor keeps three in
+ * flight, so three streams are read side by side. */
 #define STREAM 4096
 
-/* What STREAM bytes of zeros make of a register in which only bit 0, 1 ... 31 is 1: 8 * STREAM
- * single steps x -> x >> 1 ^ (x & 1 ? 0x82f63b78 : 0). */
+/* A register with only bit 0, 1 ... 31 set, after STREAM zero bytes: 8 * STREAM single steps
+ * x -> x >> 1 ^ (x & 1 ? 0x82f63b78 : 0). */
 static const uint32_t behind_stream[32] = {
     0xc2a5b65eu, 0x80a71a4du, 0x04a2426bu, 0x094484d6u, 0x128909acu, 0x25121358u, 0x4a2426b0u,
     0x94484d60u, 0x2d7cec31u, 0x5af9d862u, 0xb5f3b0c4u, 0x6e0b1779u, 0xdc162ef2u, 0xbdc02b15u,
@@ -58,7 +58,7 @@ static const uint32_t behind_stream[32] = {
     0xe3bf2befu, 0xc292212fu, 0x80c834afu, 0x047c1fafu, 0x08f83f5eu, 0x11f07ebcu, 0x23e0fd78u,
     0x47c1faf0u, 0x8f83f5e0u, 0x1aeb9d31u, 0x35d73a62u};
 
-/* The register after STREAM more bytes of zeros; it is linear in its bits. */
+/* The register after STREAM more zero bytes: a linear function of its bits. */
 static uint32_t skip_stream(uint32_t x)
 {
     uint32_t behind = 0;

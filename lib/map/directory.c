@@ -1,35 +1,59 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fail.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #include "journal.h"
+#include "open.h"
+#include "replace/replace.h"
 
-/* Bytes of the longest path that Linux takes. */
-#define PATH_SIZE 4096
+/* How often to read a map that others change meanwhile. An update makes a reader read again when it
+ * becomes final and when its journal goes. */
+#define READS_MAX 100u
 
-/* The experience files of a directory, by the bytes of their names. */
+/* An experience file of a directory. */
+typedef struct listed {
+    vdna_map_file names;
+    dev_t device; /* both 0 if there is no such file */
+    ino_t inode;
+} listed;
+
+/* A directory as it was read once. */
 typedef struct listing {
-    vdna_map_file *files; /* [count], allocated */
+    vdna_journal journal; /* of an update that is final and not finished */
+    listed *files;        /* [count], allocated, by the bytes of their names */
     uint32_t count;
 } listing;
 
+/* What is wanted of a directory. */
+typedef struct request {
+    const char *path;
+    vdna_experience *experiences; /* to be opened; NULL = only the names are wanted */
+    uint32_t capacity;            /* of `experiences` */
+    DIR *stream;
+} request;
+
 /* Hidden files are left out: tools that copy put their own beside, as "._winter.vdna". */
-static int is_experience(const struct dirent *entry)
+static int is_experience(const char *name)
 {
-    const size_t length = strlen(entry->d_name), ending = strlen(VDNA_MAP_EXTENSION);
-    return length > ending && length < VDNA_MAP_FILE_SIZE && entry->d_name[0] != '.' &&
-           strcmp(entry->d_name + length - ending, VDNA_MAP_EXTENSION) == 0;
+    const size_t length = strlen(name), ending = strlen(VDNA_MAP_EXTENSION);
+    return length > ending && name[0] != '.' &&
+           strcmp(name + length - ending, VDNA_MAP_EXTENSION) == 0;
 }
 
 /* By bytes: strcoll() would depend on the locale. */
 static int by_name(const void *a, const void *b)
 {
-    return strcmp(((const vdna_map_file *)a)->name, ((const vdna_map_file *)b)->name);
+    return strcmp(((const listed *)a)->names.name, ((const listed *)b)->names.name);
+}
+
+static void sort(listing *list)
+{
+    if (list->count > 0)
+        qsort(list->files, list->count, sizeof *list->files, by_name);
 }
 
 static vdna_status refused(const char *directory, vdna_error *error)
@@ -40,88 +64,128 @@ static vdna_status refused(const char *directory, vdna_error *error)
                      directory, strerror(errno));
 }
 
-/* Append a file that bears its own name. @return 0 if there is no memory left */
-static int append(listing *list, const char *name)
+static vdna_status no_memory(const char *directory, vdna_error *error)
 {
-    vdna_map_file *files = realloc(list->files, ((size_t)list->count + 1) * sizeof *files);
+    return vdna_fail(error, VDNA_ERR_NOMEM, "%s: no memory left", directory);
+}
+
+/* Append a file that bears its own name. @return it; NULL if there is no memory left */
+static listed *append(listing *list, const char *name)
+{
+    listed *files = realloc(list->files, ((size_t)list->count + 1) * sizeof *files);
     if (!files)
-        return 0;
+        return NULL;
     list->files = files;
-    vdna_map_file *file = &files[list->count++];
-    snprintf(file->name, sizeof file->name, "%s", name);
-    snprintf(file->file, sizeof file->file, "%s", name);
-    return 1;
+    listed *file = &files[list->count++];
+    snprintf(file->names.name, sizeof file->names.name, "%s", name);
+    snprintf(file->names.file, sizeof file->names.file, "%s", name);
+    return file;
 }
 
-static vdna_map_file *find(const listing *list, const char *name)
+static vdna_status read_names(const request *wanted, vdna_error *error, listing *list)
 {
-    for (uint32_t i = 0; i < list->count; i++)
-        if (strcmp(list->files[i].name, name) == 0)
-            return &list->files[i];
-    return NULL;
+    rewinddir(wanted->stream);
+    for (;;) {
+        errno = 0;
+        const struct dirent *entry = readdir(wanted->stream);
+        if (!entry)
+            return errno == 0 ? VDNA_OK : refused(wanted->path, error);
+        if (is_experience(entry->d_name) && !append(list, entry->d_name))
+            return no_memory(wanted->path, error);
+    }
 }
 
-/* Put the files of an update that was interrupted in the place of those that they replace. */
-static int apply(const vdna_journal *journal, int directory, listing *list)
+/* Put the staged files of an update that is final in the place of those that they replace. */
+static vdna_status follow_journal(const request *wanted, vdna_error *error, listing *list)
 {
-    for (uint32_t i = 0; i < journal->count; i++) {
-        const vdna_journal_entry *entry = &journal->entries[i];
-        struct stat about;
-        if (fstatat(directory, entry->partial, &about, AT_SYMLINK_NOFOLLOW) != 0)
-            continue; /* it bears its name already */
-        if (!find(list, entry->name) && !append(list, entry->name))
+    const uint32_t sorted = list->count;
+    for (uint32_t i = 0; i < list->journal.count; i++) {
+        const char *name = list->journal.names[i];
+        listed key;
+        snprintf(key.names.name, sizeof key.names.name, "%s" VDNA_MAP_EXTENSION, name);
+        listed *file = sorted > 0 ? bsearch(&key, list->files, sorted, sizeof key, by_name) : NULL;
+        if (!file)
+            file = append(list, key.names.name);
+        if (!file)
+            return no_memory(wanted->path, error);
+        snprintf(file->names.file, sizeof file->names.file, "%s" VDNA_JOURNAL_STAGED, name);
+    }
+    sort(list);
+    return VDNA_OK;
+}
+
+/* Note which file one of the names of `file` stands for. @return whether there is one */
+static int examine(int directory, const char *name, listed *file)
+{
+    struct stat about;
+    const int is_there = fstatat(directory, name, &about, 0) == 0;
+    file->device = is_there ? about.st_dev : 0;
+    file->inode = is_there ? about.st_ino : 0;
+    return is_there;
+}
+
+static void examine_all(const request *wanted, listing *list)
+{
+    const int directory = dirfd(wanted->stream);
+    for (uint32_t i = 0; i < list->count; i++) {
+        listed *file = &list->files[i];
+        /* A staged file that is not there has got its name. */
+        if (!examine(directory, file->names.file, file) &&
+            examine(directory, file->names.name, file))
+            memcpy(file->names.file, file->names.name, sizeof file->names.file);
+    }
+}
+
+static void free_listing(listing *list)
+{
+    vdna_journal_free(&list->journal);
+    free(list->files);
+    list->files = NULL;
+    list->count = 0;
+}
+
+/* List a directory. The journal comes first: whatever it lists is complete.
+ * @param out_list  empty after an error */
+static vdna_status list(const request *wanted, vdna_error *error, listing *out_list)
+{
+    memset(out_list, 0, sizeof *out_list);
+    vdna_status status =
+        vdna_journal_read(dirfd(wanted->stream), wanted->path, error, &out_list->journal);
+    if (status == VDNA_OK)
+        status = read_names(wanted, error, out_list);
+    sort(out_list);
+    if (status == VDNA_OK)
+        status = follow_journal(wanted, error, out_list);
+    if (status == VDNA_OK)
+        examine_all(wanted, out_list);
+    else
+        free_listing(out_list);
+    return status;
+}
+
+static int is_same_journal(const vdna_journal *a, const vdna_journal *b)
+{
+    if (a->count != b->count)
+        return 0;
+    for (uint32_t i = 0; i < a->count; i++)
+        if (strcmp(a->names[i], b->names[i]) != 0)
             return 0;
-        memcpy(find(list, entry->name)->file, entry->partial, sizeof entry->partial);
-    }
     return 1;
 }
 
-static vdna_status fill(DIR *stream, const char *directory, vdna_error *error, listing *list)
+static int is_same_file(const listed *a, const listed *b)
 {
-    vdna_journal journal;
-    const vdna_status status = vdna_journal_read(dirfd(stream), directory, error, &journal);
-    if (status != VDNA_OK)
-        return status;
-    int filled = 1;
-    for (const struct dirent *entry = readdir(stream); entry && filled; entry = readdir(stream))
-        if (is_experience(entry))
-            filled = append(list, entry->d_name);
-    if (filled)
-        filled = apply(&journal, dirfd(stream), list);
-    vdna_journal_free(&journal);
-    return filled ? VDNA_OK : vdna_fail(error, VDNA_ERR_NOMEM, "%s: no memory left", directory);
+    return a->inode == b->inode && a->device == b->device;
 }
 
-static vdna_status list(const char *directory, vdna_error *error, listing *out_list)
+static int is_same(const listing *a, const listing *b)
 {
-    out_list->files = NULL;
-    out_list->count = 0;
-    DIR *stream = opendir(directory);
-    if (!stream)
-        return refused(directory, error);
-    const vdna_status status = fill(stream, directory, error, out_list);
-    closedir(stream);
-    if (status != VDNA_OK) {
-        free(out_list->files);
-        return status;
-    }
-    if (out_list->count > 0)
-        qsort(out_list->files, out_list->count, sizeof *out_list->files, by_name);
-    return VDNA_OK;
-}
-
-/* see vdna/map.h */
-vdna_status vdna_map_count(const char *directory, vdna_error *error, uint32_t *out_count)
-{
-    if (!directory || !out_count)
-        return vdna_fail(error, VDNA_ERR_ARG, "map to count: no directory or no place for it");
-    listing files;
-    const vdna_status status = list(directory, error, &files);
-    if (status != VDNA_OK)
-        return status;
-    *out_count = files.count;
-    free(files.files);
-    return VDNA_OK;
+    if (a->count != b->count || !is_same_journal(&a->journal, &b->journal))
+        return 0;
+    for (uint32_t i = 0; i < a->count; i++)
+        if (by_name(&a->files[i], &b->files[i]) != 0 || !is_same_file(&a->files[i], &b->files[i]))
+            return 0;
+    return 1;
 }
 
 static vdna_status too_many(const char *directory, uint32_t count, uint32_t capacity,
@@ -144,45 +208,129 @@ static vdna_status check_count(const char *directory, uint32_t count, uint32_t c
     return count > capacity ? too_many(directory, count, capacity, error) : VDNA_OK;
 }
 
-static vdna_status open_file(const char *directory, const char *name, vdna_error *error,
+/* Open a file that was listed, and note which one that turned out to be. */
+static vdna_status open_file(const request *wanted, listed *file, vdna_error *error,
                              vdna_experience *out_experience)
 {
-    char path[PATH_SIZE];
-    if ((size_t)snprintf(path, sizeof path, "%s/%s", directory, name) >= sizeof path)
-        return vdna_fail(error, VDNA_ERR_IO, "%s: the path of %s is too long", directory, name);
-    return vdna_experience_open(path, error, out_experience);
+    char path[VDNA_REPLACE_PATH_SIZE];
+    const char *const name = file->names.file;
+    if ((size_t)snprintf(path, sizeof path, "%s/%s", wanted->path, name) >= sizeof path)
+        return vdna_fail(error, VDNA_ERR_IO, "%s: the path of %s is too long", wanted->path, name);
+    int descriptor = openat(dirfd(wanted->stream), name, VDNA_OPEN_FLAGS);
+    /* A staged file may have got its name just now. */
+    if (descriptor < 0 && errno == ENOENT)
+        descriptor = openat(dirfd(wanted->stream), file->names.name, VDNA_OPEN_FLAGS);
+    struct stat about;
+    if (descriptor >= 0 && fstat(descriptor, &about) == 0) {
+        file->device = about.st_dev;
+        file->inode = about.st_ino;
+    }
+    return vdna_open_descriptor(descriptor, path, error, out_experience);
 }
 
 /* Check experience `last` against those before it; all compare if each does with the first. */
-static vdna_status check_last(const char *directory, const vdna_map_file *files,
-                              const vdna_experience *experiences, uint32_t last, vdna_error *error)
+static vdna_status check_last(const request *wanted, const listing *list, uint32_t last,
+                              vdna_error *error)
 {
+    const vdna_experience *const experiences = wanted->experiences;
     for (uint32_t i = 0; i < last; i++)
         if (strcmp(experiences[i].name, experiences[last].name) == 0)
             return vdna_fail(error, VDNA_ERR_MISMATCH,
                              "%s: %s and %s are both named %s, expected different names; remove or"
                              " rebuild one of them",
-                             directory, files[i].name, files[last].name, experiences[i].name);
+                             wanted->path, list->files[i].names.name, list->files[last].names.name,
+                             experiences[i].name);
     vdna_error reason;
     if (last > 0 &&
         vdna_experience_compare(&experiences[0], &experiences[last], &reason) != VDNA_OK)
-        return vdna_fail(error, VDNA_ERR_MISMATCH, "%s: %s", directory, reason.text);
+        return vdna_fail(error, VDNA_ERR_MISMATCH, "%s: %s", wanted->path, reason.text);
     return VDNA_OK;
 }
 
-static vdna_status open_files(const char *directory, const listing *files, vdna_error *error,
-                              vdna_experience *out_experiences)
+static void close_files(const request *wanted, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        vdna_experience_close(&wanted->experiences[i]);
+}
+
+/* Open what was listed, as far as it goes.
+ * @param out_open  how many are open, also after an error */
+static vdna_status open_files(const request *wanted, const listing *list, vdna_error *error,
+                              uint32_t *out_open)
 {
     uint32_t open = 0;
-    vdna_status status = VDNA_OK;
-    while (status == VDNA_OK && open < files->count) {
-        status = open_file(directory, files->files[open].file, error, &out_experiences[open]);
+    vdna_status status = check_count(wanted->path, list->count, wanted->capacity, error);
+    while (status == VDNA_OK && open < list->count) {
+        status = open_file(wanted, &list->files[open], error, &wanted->experiences[open]);
         if (status == VDNA_OK)
-            status = check_last(directory, files->files, out_experiences, open++, error);
+            status = check_last(wanted, list, open++, error);
     }
-    while (status != VDNA_OK && open > 0)
-        vdna_experience_close(&out_experiences[--open]);
+    *out_open = open;
     return status;
+}
+
+/* Read a map between two listings. If they are the same, so was the map at the moment when the
+ * second one began: a file that is open cannot come back as another, so no name can have stood for
+ * one, then for another, then for the first again. Hence they stay open until then, whether all
+ * went well or not. Time stamps are too coarse to tell.
+ * @param out_list  the second listing, to be freed
+ * @param out_is_settled  0 if anything changed
+ * @return VDNA_OK, and all are open if that was wanted and nothing changed; otherwise none is */
+static vdna_status read_once(const request *wanted, vdna_error *error, listing *out_list,
+                             int *out_is_settled)
+{
+    listing before;
+    uint32_t open = 0;
+    vdna_status found = VDNA_OK, status = list(wanted, error, &before);
+    if (status == VDNA_OK && wanted->experiences)
+        found = open_files(wanted, &before, error, &open);
+    if (status == VDNA_OK)
+        status = list(wanted, error, out_list);
+    *out_is_settled = status != VDNA_OK || is_same(&before, out_list);
+    if (status == VDNA_OK)
+        status = found;
+    if (status != VDNA_OK || !*out_is_settled)
+        close_files(wanted, open);
+    free_listing(&before);
+    return status;
+}
+
+/* Read a map until it does not change meanwhile. @param out_list  to be freed after VDNA_OK */
+static vdna_status read_map(request *wanted, vdna_error *error, listing *out_list)
+{
+    int is_settled = 0;
+    vdna_status status = VDNA_OK;
+    wanted->stream = opendir(wanted->path);
+    if (!wanted->stream)
+        return refused(wanted->path, error);
+    for (unsigned reads = 0; reads < READS_MAX && !is_settled; reads++) {
+        memset(out_list, 0, sizeof *out_list);
+        status = read_once(wanted, error, out_list, &is_settled);
+        if (status != VDNA_OK || !is_settled)
+            free_listing(out_list);
+    }
+    closedir(wanted->stream);
+    if (!is_settled)
+        return vdna_fail(error, VDNA_ERR_IO,
+                         "%s: changed each of the %u times that it was read; wait until whatever"
+                         " changes it has ended, then try again",
+                         wanted->path, READS_MAX);
+    return status;
+}
+
+/* see vdna/map.h */
+vdna_status vdna_map_count(const char *directory, vdna_error *error, uint32_t *out_count)
+{
+    if (!directory || !out_count)
+        return vdna_fail(error, VDNA_ERR_ARG, "map to count: no directory or no place for it");
+    listing files;
+    request wanted = {.path = directory};
+    const vdna_status status = read_map(&wanted, error, &files);
+    if (status != VDNA_OK)
+        return status;
+    *out_count = files.count;
+    free_listing(&files);
+    return VDNA_OK;
 }
 
 /* see vdna/map.h */
@@ -192,16 +340,18 @@ vdna_status vdna_map_list(const char *directory, uint32_t capacity, vdna_error *
     if (!directory || (capacity > 0 && !out_files) || !out_count)
         return vdna_fail(error, VDNA_ERR_ARG, "map to list: no directory or no place for it");
     listing files;
-    vdna_status status = list(directory, error, &files);
+    request wanted = {.path = directory};
+    vdna_status status = read_map(&wanted, error, &files);
     if (status != VDNA_OK)
         return status;
-    if (files.count > capacity)
-        status = too_many(directory, files.count, capacity, error);
-    else if (files.count > 0)
-        memcpy(out_files, files.files, files.count * sizeof *out_files);
-    if (status == VDNA_OK)
+    if (files.count <= capacity) {
+        for (uint32_t i = 0; i < files.count; i++)
+            out_files[i] = files.files[i].names;
         *out_count = files.count;
-    free(files.files);
+    } else {
+        status = too_many(directory, files.count, capacity, error);
+    }
+    free_listing(&files);
     return status;
 }
 
@@ -212,14 +362,11 @@ vdna_status vdna_map_open(const char *directory, uint32_t capacity, vdna_error *
     if (!directory || !out_experiences || !out_count)
         return vdna_fail(error, VDNA_ERR_ARG, "map to open: no directory or no place for it");
     listing files;
-    vdna_status status = list(directory, error, &files);
+    request wanted = {directory, out_experiences, capacity, NULL};
+    const vdna_status status = read_map(&wanted, error, &files);
     if (status != VDNA_OK)
         return status;
-    status = check_count(directory, files.count, capacity, error);
-    if (status == VDNA_OK)
-        status = open_files(directory, &files, error, out_experiences);
-    if (status == VDNA_OK)
-        *out_count = files.count;
-    free(files.files);
-    return status;
+    *out_count = files.count;
+    free_listing(&files);
+    return VDNA_OK;
 }

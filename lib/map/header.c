@@ -4,7 +4,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* Bytes of the header's length, with which a file begins. */
+/* Bytes of the header's length, the first field of a file. */
 #define LENGTH_SIZE 8u
 
 const vdna_tensor *vdna_header_tensor(const vdna_header *header, const char *name)
@@ -76,7 +76,7 @@ static int take_offsets(vdna_json *json, vdna_tensor *tensor)
            vdna_json_take(json, ']');
 }
 
-/* Take one member of a tensor's description; `seen` has a bit for each that was taken. */
+/* Take one member of a tensor's description; `seen` has a bit for each one taken. */
 static int take_member(vdna_json *json, vdna_tensor *tensor, unsigned *seen)
 {
     static const char *const names[] = {"dtype", "shape", "data_offsets"};
@@ -144,7 +144,7 @@ static int take_header(vdna_json *json, vdna_header *header)
     return vdna_json_take(json, '}') && vdna_json_end(json);
 }
 
-/* Check that the tensors, now sorted, tile the data, and count their offsets from the file's
+/* Check that the tensors, now sorted, tile the data, and make their offsets relative to the file's
  * first byte. */
 static vdna_status place_tensors(vdna_header *header, size_t data, size_t size, vdna_error *reason)
 {

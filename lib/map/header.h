@@ -1,4 +1,5 @@
-/* Private to lib/map: the header of a safetensors file, whatever its tensors are for. */
+/* Private to lib/map: the header of a safetensors file, independent of the purpose of its
+ * tensors. */
 #ifndef VDNA_HEADER_H
 #define VDNA_HEADER_H
 
@@ -32,7 +33,7 @@ typedef struct vdna_header {
 } vdna_header;
 
 /* Read the header of a whole file and check that its tensors fill the rest of the file without a
- * gap or an overlap. Whether dtypes and shapes make sense is left to those who know the tensor.
+ * gap or an overlap. The caller, who knows the tensors, checks dtypes and shapes.
  * @param reason  filled on failure, without the name of the file
  * @return VDNA_OK; VDNA_ERR_FORMAT */
 vdna_status vdna_header_read(const unsigned char *bytes, size_t size, vdna_error *reason,

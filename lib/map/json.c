@@ -49,7 +49,7 @@ int vdna_json_take(vdna_json *json, char mark)
     return vdna_json_try(json, mark) ? 1 : vdna_json_fail(json, name_of(mark));
 }
 
-/* Bytes that follow a lead byte; -1 if none starts a sequence with it. */
+/* Bytes that follow a lead byte; -1 if it starts no sequence. */
 static int continuation_bytes(unsigned char lead)
 {
     if (lead < 0x80)
@@ -61,7 +61,7 @@ static int continuation_bytes(unsigned char lead)
     return lead >= 0xF0 && lead <= 0xF4 ? 3 : -1;
 }
 
-/* Whether the second byte belongs to the shortest form of a character that is no surrogate. */
+/* Whether the second byte rules out overlong forms and surrogates. */
 static int is_second_byte(unsigned char lead, unsigned char second)
 {
     const unsigned char least = lead == 0xE0 ? 0xA0 : lead == 0xF0 ? 0x90 : 0x80;
@@ -69,7 +69,7 @@ static int is_second_byte(unsigned char lead, unsigned char second)
     return second >= least && second <= most;
 }
 
-/* Take one character that stands for itself. @return its bytes in `out`, 0 = malformed */
+/* Take one unescaped character. @return its bytes in `out`, 0 = malformed */
 static size_t take_plain(vdna_json *json, unsigned char out[CHARACTER_SIZE])
 {
     const unsigned char lead = *json->at;
@@ -96,7 +96,7 @@ static int hex_value(unsigned char digit)
     return digit >= 'A' && digit <= 'F' ? digit - 'A' + 10 : -1;
 }
 
-/* Take "\uXXXX". @return the UTF-16 unit, 0 = malformed; an escaped NUL counts as that too */
+/* Take "\uXXXX". @return the UTF-16 unit, 0 = malformed or an escaped NUL */
 static uint32_t take_unit(vdna_json *json)
 {
     if (json->end - json->at < 6 || json->at[0] != '\\' || json->at[1] != 'u')
@@ -140,7 +140,7 @@ static size_t encode(uint32_t code, unsigned char out[CHARACTER_SIZE])
     return size;
 }
 
-/* Take a character written with a backslash. @return its bytes in `out`, 0 = malformed */
+/* Take one escaped character. @return its bytes in `out`, 0 = malformed */
 static size_t take_escape(vdna_json *json, unsigned char out[CHARACTER_SIZE])
 {
     static const char written[] = "\"\\/bfnrt", meant[] = "\"\\/\b\f\n\r\t";

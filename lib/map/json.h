@@ -1,5 +1,5 @@
-/* Private to lib/map: the JSON that a safetensors header is made of, read token by token from
- * untrusted bytes. Nothing is allocated and nothing recurses; strings go to the caller's buffers.
+/* Private to lib/map: a reader for the JSON of a safetensors header, token by token from untrusted
+ * bytes. Nothing is allocated and nothing recurses; strings go to the caller's buffers.
  */
 #ifndef VDNA_JSON_H
 #define VDNA_JSON_H
@@ -7,16 +7,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A place in the text. It is of no more use after a failure, except to say where that was. */
+/* A position in the text. After a failure it only tells where that was. */
 typedef struct vdna_json {
     const unsigned char *at, *end;
-    const char *expected; /* after a failure: what should have stood at `at` */
+    const char *expected; /* after a failure: the token expected at `at` */
 } vdna_json;
 
 /* Record a failure at the current place. @return 0 */
 int vdna_json_fail(vdna_json *json, const char *expected);
 
-/* Take `mark`, one of {}[]:, with the white space before it. @return 1 if it is there */
+/* Take `mark`, one of {}[]:, and the white space before it. @return 1 if it is there */
 int vdna_json_try(vdna_json *json, char mark);
 
 /* As vdna_json_try(), but a missing mark is a failure. */

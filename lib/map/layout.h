@@ -4,7 +4,7 @@
 
 #include <vdna/map.h>
 
-/* Where each tensor stands in a file of ours: wide elements first, so that each is aligned. */
+/* The order of the tensors in our files: wide elements first, so that each is aligned. */
 enum {
     VDNA_FIELD_UTIME,
     VDNA_FIELD_PLACE,
@@ -17,7 +17,7 @@ enum {
     VDNA_FIELD_COUNT
 };
 
-/* The tensor that stands last and checks the rest. */
+/* The last tensor: a checksum of everything else. */
 #define VDNA_CRC_TENSOR "crc32c"
 
 typedef struct vdna_field {
@@ -36,7 +36,7 @@ void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDN
 /* Elements of a field; cannot wrap. */
 uint64_t vdna_layout_elements(const vdna_field *field);
 
-/* Whether the numbers of a file can be used as they stand in memory: it is little-endian. */
+/* Whether a file's numbers can be used in place: this machine is little-endian. */
 int vdna_layout_fits_host(void);
 
 #endif

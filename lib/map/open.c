@@ -1,11 +1,13 @@
-#include "read.h"
+#include "open.h"
+
 #include <errno.h>
 #include <fail.h>
-#include <fcntl.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "read.h"
 
 /* The bytes of a file, read-only; they stay when the file is replaced or deleted. */
 typedef struct file_bytes {
@@ -43,17 +45,6 @@ static vdna_status map_descriptor(int descriptor, const char *path, vdna_error *
     return VDNA_OK;
 }
 
-static vdna_status map_file(const char *path, vdna_error *error, file_bytes *out_file)
-{
-    /* O_NONBLOCK, so that a FIFO under the name of an experience is refused and not waited for. */
-    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-    if (descriptor < 0)
-        return refused(path, "open", error);
-    const vdna_status status = map_descriptor(descriptor, path, error, out_file);
-    close(descriptor);
-    return status;
-}
-
 static const char *remedy_of(vdna_status status)
 {
     switch (status) {
@@ -66,14 +57,15 @@ static const char *remedy_of(vdna_status status)
     }
 }
 
-/* see vdna/map.h */
-vdna_status vdna_experience_open(const char *path, vdna_error *error,
+/* see open.h */
+vdna_status vdna_open_descriptor(int descriptor, const char *path, vdna_error *error,
                                  vdna_experience *out_experience)
 {
-    if (!path || !out_experience)
-        return vdna_fail(error, VDNA_ERR_ARG, "experience to open: no path or no place for it");
+    if (descriptor < 0)
+        return refused(path, "open", error);
     file_bytes file = {NULL, 0};
-    vdna_status status = map_file(path, error, &file);
+    vdna_status status = map_descriptor(descriptor, path, error, &file);
+    close(descriptor);
     if (status != VDNA_OK)
         return status;
 
@@ -89,11 +81,20 @@ vdna_status vdna_experience_open(const char *path, vdna_error *error,
 }
 
 /* see vdna/map.h */
+vdna_status vdna_experience_open(const char *path, vdna_error *error,
+                                 vdna_experience *out_experience)
+{
+    if (!path || !out_experience)
+        return vdna_fail(error, VDNA_ERR_ARG, "experience to open: no path or no place for it");
+    return vdna_open_descriptor(open(path, VDNA_OPEN_FLAGS), path, error, out_experience);
+}
+
+/* see vdna/map.h */
 void vdna_experience_close(vdna_experience *experience)
 {
     if (!experience)
         return;
-    /* The cast takes const away, which is for callers: munmap() changes no byte. */
+    /* The cast drops const, which is for callers: munmap() changes no byte. */
     if (experience->file_bytes)
         munmap((void *)experience->file_bytes, experience->file_size);
     memset(experience, 0, sizeof *experience);

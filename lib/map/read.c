@@ -25,7 +25,7 @@ static vdna_status check_version(const vdna_header *header, vdna_error *reason)
     return VDNA_OK;
 }
 
-/* Check what the header says of a tensor against what it must be. */
+/* Check a tensor's description in the header. */
 static vdna_status check_tensor(const vdna_tensor *tensor, const vdna_field *field,
                                 vdna_error *reason)
 {
@@ -38,7 +38,7 @@ static vdna_status check_tensor(const vdna_tensor *tensor, const vdna_field *fie
                          "%s%.0" PRIu32 "]",
                          field->name, field->dtype, field->rows, dimensions == 2 ? ", " : "",
                          field->columns);
-    /* Divided, because the product of a lying shape could wrap. */
+    /* Divide, because the product of a forged shape could wrap. */
     const uint64_t bytes = tensor->end - tensor->begin;
     if (bytes % field->width != 0 || bytes / field->width != vdna_layout_elements(field))
         return vdna_fail(reason, VDNA_ERR_FORMAT,

@@ -1,4 +1,4 @@
-/* Private to lib/map: an experience from the bytes of its file, wherever they come from. */
+/* Private to lib/map: reads an experience from the bytes of its file. */
 #ifndef VDNA_READ_H
 #define VDNA_READ_H
 
@@ -11,7 +11,7 @@
 vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reason,
                       vdna_experience *out_experience);
 
-/* The checksum that belongs into tensor `crc` (U32 [1]): of all bytes of the file but its own. */
+/* The value that tensor `crc` (U32 [1]) must have: the checksum of all other bytes of the file. */
 uint32_t vdna_read_checksum(const unsigned char *bytes, size_t size, const vdna_tensor *crc);
 
 #endif

@@ -39,7 +39,7 @@ static vdna_status check_identity(const vdna_experience *e, vdna_error *reason)
     return vdna_identity_check(&e->identity, reason);
 }
 
-/* Check that every neuron of a tap, the first being `first`, was sampled as often as it says. */
+/* Check the mass of every neuron of a tap; `first` is the first one. */
 static vdna_status check_tap_mass(const vdna_experience *e, size_t first, const vdna_tap *t,
                                   vdna_error *reason)
 {
@@ -67,8 +67,8 @@ static vdna_status check_mass(const vdna_experience *e, vdna_error *reason)
     return VDNA_OK;
 }
 
-/* Add up the counts of up to SUM_BLOCK neurons; 64-bit sums cannot wrap into a match. Whole rows
- * of a block at a time, so that the loop vectorises. */
+/* Add up the counts of up to SUM_BLOCK neurons; 64-bit sums cannot wrap into a match. It takes
+ * whole rows of a block at a time, so that the loop vectorises. */
 static void sum_block(const vdna_experience *e, size_t first, size_t count, uint64_t *restrict sums)
 {
     memset(sums, 0, count * sizeof *sums);
@@ -96,7 +96,7 @@ static vdna_status check_counts(const vdna_experience *e, vdna_error *reason)
     return VDNA_OK;
 }
 
-/* Without an early exit, so that the loop vectorises: good numbers are the rule. */
+/* No early exit, so that the loop vectorises: good numbers are the rule. */
 static int all_finite(const float *values, size_t count)
 {
     int finite = 1;

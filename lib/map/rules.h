@@ -1,4 +1,4 @@
-/* Private to lib/map: what makes an experience valid, whether it is to be written or was read. */
+/* Private to lib/map: the rules of a valid experience, for writing and reading. */
 #ifndef VDNA_RULES_H
 #define VDNA_RULES_H
 

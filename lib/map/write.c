@@ -1,17 +1,19 @@
 #include "write.h"
 
 #include <assert.h>
+#include <fail.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <string.h>
-
-#include <fail.h>
+#include <unistd.h>
 
 #include "crc32c.h"
+#include "journal.h"
 #include "layout.h"
 #include "rules.h"
 
-/* Taps, preprocessing and five short texts, each byte escaped, and about 100 bytes for each tensor.
+/* Room for taps, preprocessing and five short texts with every byte escaped, plus about 100 bytes
+ * per tensor.
  */
 #define HEADER_SIZE 12288u
 
@@ -32,7 +34,7 @@ append(header_text *text, const char *format, ...)
     const size_t room = sizeof text->bytes - text->size;
     const int length = vsnprintf(text->bytes + text->size, room, format, arguments);
     va_end(arguments);
-    /* The fields have a known size: only a change of this file can get here. */
+    /* The fields have known sizes: only a change of this file can get here. */
     assert(length >= 0 && (size_t)length < room);
     text->size += (size_t)length;
 }
@@ -90,7 +92,7 @@ static void make_header(const vdna_experience *e, const vdna_field fields[VDNA_F
         }
     append_tensor(out_text, &crc, &offset);
     append(out_text, "}");
-    /* The data begins behind the header, where 8-byte numbers must be aligned. */
+    /* The data follows the header and begins with 8-byte numbers, which must be aligned. */
     while (out_text->size % 8 != 0)
         append(out_text, " ");
 
@@ -120,10 +122,9 @@ static vdna_status write_parts(const vdna_replace *file, const header_text *head
     return status;
 }
 
-static vdna_status check(const vdna_experience *experience, const char *path, vdna_error *error)
+/* see write.h */
+vdna_status vdna_write_check(const vdna_experience *experience, const char *path, vdna_error *error)
 {
-    if (!experience || !path)
-        return vdna_fail(error, VDNA_ERR_ARG, "experience to write: it or its path is missing");
     if (!vdna_layout_fits_host())
         return vdna_fail(error, VDNA_ERR_UNSUPPORTED,
                          "%s: experience files are written from memory as it is, which needs a"
@@ -137,24 +138,30 @@ static vdna_status check(const vdna_experience *experience, const char *path, vd
 }
 
 /* see write.h */
-vdna_status vdna_write_beside(const vdna_experience *experience, const char *path,
-                              vdna_error *error, vdna_replace *out_file)
+vdna_status vdna_write_into(vdna_replace *file, const vdna_experience *experience,
+                            vdna_error *error)
 {
-    vdna_status status = check(experience, path, error);
-    if (status != VDNA_OK)
-        return status;
-
     vdna_field fields[VDNA_FIELD_COUNT];
     header_text header;
     vdna_layout_of(experience, fields);
     make_header(experience, fields, &header);
+    const vdna_status status = write_parts(file, &header, fields, error);
+    if (status != VDNA_OK)
+        vdna_replace_abandon(file);
+    return status;
+}
 
-    status = vdna_replace_begin(path, error, out_file);
-    if (status != VDNA_OK)
-        return status;
-    status = write_parts(out_file, &header, fields, error);
-    if (status != VDNA_OK)
-        vdna_replace_abandon(out_file);
+/* If an update of this directory was interrupted when it was final, finish it: it is older than the
+ * file that is about to be replaced, and would replace it later. */
+static vdna_status finish_update(const vdna_replace *file, vdna_error *error)
+{
+    if (faccessat(file->directory, VDNA_JOURNAL_FILE, F_OK, 0) != 0)
+        return VDNA_OK;
+    char directory[VDNA_REPLACE_PATH_SIZE];
+    snprintf(directory, sizeof directory, "%.*s.", (int)(file->name - file->path), file->path);
+    vdna_map_update *update = NULL;
+    const vdna_status status = vdna_map_update_open(directory, error, &update);
+    vdna_map_update_close(update);
     return status;
 }
 
@@ -162,7 +169,19 @@ vdna_status vdna_write_beside(const vdna_experience *experience, const char *pat
 vdna_status vdna_experience_write(const vdna_experience *experience, const char *path,
                                   vdna_error *error)
 {
+    if (!experience || !path)
+        return vdna_fail(error, VDNA_ERR_ARG, "experience to write: it or its path is missing");
     vdna_replace file;
-    const vdna_status status = vdna_write_beside(experience, path, error, &file);
-    return status == VDNA_OK ? vdna_replace_commit(&file, VDNA_REPLACE_DURABLE, error) : status;
+    vdna_status status = vdna_write_check(experience, path, error);
+    if (status == VDNA_OK)
+        status = vdna_replace_begin(path, error, &file);
+    if (status == VDNA_OK)
+        status = vdna_write_into(&file, experience, error);
+    if (status != VDNA_OK)
+        return status;
+    status = finish_update(&file, error);
+    if (status == VDNA_OK)
+        return vdna_replace_commit(&file, VDNA_REPLACE_DURABLE, error);
+    vdna_replace_abandon(&file);
+    return status;
 }

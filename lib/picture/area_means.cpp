@@ -13,7 +13,7 @@ namespace vdna::picture
 namespace
 {
 
-// Weights of the part of each source pixel that an output pixel covers. from >= to.
+// Each source pixel weighs by how much of it the output pixel covers. from >= to.
 void fill_taps(uint32_t from, uint32_t to, Taps<float> &taps)
 {
     taps.clear();
@@ -45,11 +45,10 @@ VDNA_VECTORISED void add_row(const uint8_t *row, float weight, size_t count, flo
 } // namespace
 
 AreaMeans::AreaMeans(Size to)
-    // Not initialised: pages that no picture has needed yet are not resident.
+    // Left uninitialised, so that it is not resident before a picture needs it.
     : to_(to), sums_(new float[(size_t{VDNA_IMAGE_SIDE_MAX} + 1) * channels_max])
 {
-    // Room for any picture: an output pixel shares at most its first source pixel with the one
-    // before.
+    // Room for any picture: neighbouring output pixels share at most one source pixel.
     rows_.reserve(to.height, size_t{VDNA_IMAGE_SIDE_MAX} + to.height);
     columns_.reserve(to.width, size_t{VDNA_IMAGE_SIDE_MAX} + to.width);
 }
@@ -58,7 +57,7 @@ void AreaMeans::begin(const vdna_pixels &picture)
 {
     picture_ = picture;
     next_ = 0;
-    // The last pixel is read as if it had all channels.
+    // The last pixel is read as if it had four channels.
     std::fill_n(&sums_[size_t{picture.width} * picture.channels], channels_max, 0.0f);
     if (size_of(picture) == from_)
         return;
@@ -67,7 +66,7 @@ void AreaMeans::begin(const vdna_pixels &picture)
     fill_taps(from_.width, to_.width, columns_);
 }
 
-// sums_ = the weighted rows of a span
+// Set sums_ to the weighted sum of the rows of a span.
 void AreaMeans::add_rows(const Taps<float>::Span &span)
 {
     const size_t count = size_t{picture_.width} * picture_.channels;
@@ -80,8 +79,7 @@ void AreaMeans::add_rows(const Taps<float>::Span &span)
 
 void AreaMeans::next_row(uint8_t *out)
 {
-    // As many numbers are added at once, whatever the channels: those beyond a pixel's are not
-    // used.
+    // Add four numbers at a time, whatever the number of channels; ignore the excess.
     using Four = float __attribute__((vector_size(channels_max * sizeof(float))));
     const size_t channels = picture_.channels;
     add_rows(rows_.spans[next_++]);

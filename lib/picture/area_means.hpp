@@ -7,8 +7,8 @@
 namespace vdna::picture
 {
 
-// As cv::INTER_AREA where neither side grows and not both ratios are whole; sums of floats, in an
-// order that a map's numbers depend on.
+// cv::INTER_AREA where neither side grows and at least one ratio is not whole. It sums floats, and
+// the order of the sums shows in the bits that maps are made of: keep it.
 class AreaMeans : public Method
 {
   public:

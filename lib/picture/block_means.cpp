@@ -21,7 +21,7 @@ VDNA_VECTORISED void add_row(const uint8_t *row, size_t count, uint32_t *sums)
         sums[i] += row[i];
 }
 
-// Of 2x2 pixels, whose rows are added up already. Halves are rounded up.
+// Means of 2x2 pixels whose rows are summed already. Round halves up.
 template <size_t Channels>
 VDNA_VECTORISED void quarters(const uint32_t *sums, uint32_t width, uint8_t *__restrict out)
 {
@@ -31,7 +31,7 @@ VDNA_VECTORISED void quarters(const uint32_t *sums, uint32_t width, uint8_t *__r
                 (sums[2 * Channels * x + c] + sums[2 * Channels * x + Channels + c] + 2) >> 2);
 }
 
-// Of any other block. Halves go to the even level.
+// Means of any other block. Round halves to even.
 void means(const uint32_t *sums, Size block, size_t channels, uint32_t width, uint8_t *out)
 {
     const float part = 1.0f / static_cast<float>(block.width * block.height);
@@ -47,7 +47,7 @@ void means(const uint32_t *sums, Size block, size_t channels, uint32_t width, ui
 } // namespace
 
 BlockMeans::BlockMeans(Size to)
-    // Not initialised: pages that no picture has needed yet are not resident.
+    // Left uninitialised, so that it is not resident before a picture needs it.
     : to_(to), sums_(new uint32_t[VDNA_IMAGE_SIDE_MAX * channels_max])
 {
 }

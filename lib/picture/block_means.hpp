@@ -1,4 +1,4 @@
-// The mean colour of the whole source pixels that each output pixel covers.
+// The mean colour of the block of source pixels that each output pixel covers.
 #pragma once
 
 #include "resample.hpp"
@@ -6,7 +6,7 @@
 namespace vdna::picture
 {
 
-// As cv::INTER_AREA where both ratios are whole: integer sums, and rounding of its own.
+// cv::INTER_AREA where both ratios are whole. It sums integers and rounds in two ways.
 class BlockMeans : public Method
 {
   public:

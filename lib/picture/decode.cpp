@@ -1,12 +1,13 @@
 #include "decode.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <string>
 
 #include "failure.hpp"
 #include "jpeg.h"
 #include "limits.hpp"
-#include "yuv.hpp"
+#include "pixel_formats.hpp"
 
 namespace vdna::picture
 {
@@ -26,6 +27,29 @@ std::string fourcc_text(uint32_t pixelformat)
     return text;
 }
 
+// "MJPG, GREY or RGB3"
+std::string known_formats()
+{
+    std::string text;
+    for (const PixelFormat &format : pixel_formats) {
+        const bool last = &format + 1 == pixel_formats.end();
+        text += (text.empty() ? "" : last ? " or " : ", ") + fourcc_text(format.fourcc);
+    }
+    return text;
+}
+
+const PixelFormat &format_of(uint32_t fourcc)
+{
+    const auto *const found =
+        std::find_if(pixel_formats.begin(), pixel_formats.end(),
+                     [&](const PixelFormat &format) { return format.fourcc == fourcc; });
+    if (found == pixel_formats.end())
+        throw fail::Failure(VDNA_ERR_UNSUPPORTED, "picture: unknown pixel format '" +
+                                                      fourcc_text(fourcc) + "'; expected " +
+                                                      known_formats());
+    return *found;
+}
+
 [[noreturn]] void refuse_layout(const vdna_image &image, const std::string &expected)
 {
     throw fail::Failure(VDNA_ERR_FORMAT,
@@ -35,7 +59,7 @@ std::string fourcc_text(uint32_t pixelformat)
                             std::to_string(image.size) + " bytes: expected " + expected);
 }
 
-// Bytes from row to row, checked against what a row needs.
+// Bytes from row to row, checked against the size of a row.
 size_t stride_of(const vdna_image &image, size_t row_bytes)
 {
     if (image.row_stride == 0)
@@ -51,7 +75,7 @@ void need_bytes(const vdna_image &image, size_t bytes)
         refuse_layout(image, "at least " + std::to_string(bytes) + " bytes");
 }
 
-// Rows of packed pixels, the last of which may end at its last pixel. Returns the stride.
+// Check rows of packed pixels; the last row may end at its last pixel. Returns the stride.
 size_t check_packed(const vdna_image &image, size_t row_bytes)
 {
     const size_t stride = stride_of(image, row_bytes);
@@ -74,7 +98,7 @@ void require_jpeg(const vdna_image &image)
 } // namespace
 
 Decoder::Decoder(uint32_t max_pixels)
-    // Not initialised: pages that no picture has needed yet are not resident.
+    // Left uninitialised, so that it is not resident before a picture needs it.
     : max_pixels_(max_pixels), bgr_(new uint8_t[size_t{bgr_channels} * max_pixels])
 {
 }
@@ -82,7 +106,8 @@ Decoder::Decoder(uint32_t max_pixels)
 uint64_t Decoder::bytes_max(uint32_t max_pixels)
 {
     // libjpeg keeps all coefficients of a progressive picture, two bytes each for up to three
-    // components, whose sides it rounds up to whole blocks of at most 32 pixels; else a few rows.
+    // components, whose sides it rounds up to whole blocks of at most 32 pixels. Other pictures
+    // take a few rows.
     constexpr uint64_t block = 32, components = 3, row_bytes = 4u << 20;
     const uint64_t edge = VDNA_IMAGE_SIDE_MAX + max_pixels / VDNA_IMAGE_SIDE_MAX + block;
     const uint64_t padded = max_pixels + block * edge;
@@ -93,34 +118,16 @@ vdna_pixels Decoder::decode(const vdna_image &image)
 {
     if (!image.data || image.size == 0)
         throw fail::Failure(VDNA_ERR_FORMAT, "picture: has no bytes");
-    switch (image.pixelformat) {
-    case VDNA_PIXEL_ENCODED:
-    case VDNA_PIXEL_MJPG:
+    if (image.pixelformat == VDNA_PIXEL_ENCODED)
         return encoded(image);
-    case VDNA_PIXEL_GREY:
-        return packed(image, 1, false);
-    case VDNA_PIXEL_RGB3:
-        return packed(image, 3, false);
-    case VDNA_PIXEL_BGR3:
-        return packed(image, 3, true);
-    case VDNA_PIXEL_RGB4:
-        return packed(image, 4, false);
-    case VDNA_PIXEL_BGR4:
-        return packed(image, 4, true);
-    case VDNA_PIXEL_YUYV:
-    case VDNA_PIXEL_UYVY:
-        return yuv422(image);
-    case VDNA_PIXEL_I420:
-    case VDNA_PIXEL_YU12:
-    case VDNA_PIXEL_NV12:
-        return yuv420(image);
-    default:
-        throw fail::Failure(
-            VDNA_ERR_UNSUPPORTED,
-            "picture: unknown pixel format '" + fourcc_text(image.pixelformat) +
-                "'; expected MJPG, GREY, RGB3, BGR3, RGB4, BGR4, YUYV, UYVY, I420, YU12 "
-                "or NV12");
-    }
+    const PixelFormat &format = format_of(image.pixelformat);
+    if (format.arrangement == Arrangement::jpeg)
+        return encoded(image);
+    if (format.arrangement == Arrangement::packed)
+        return packed(image, format);
+    if (format.arrangement == Arrangement::yuv422)
+        return yuv422(image, format);
+    return yuv420(image, format);
 }
 
 vdna_pixels Decoder::own_bgr(uint32_t width, uint32_t height) const
@@ -128,15 +135,13 @@ vdna_pixels Decoder::own_bgr(uint32_t width, uint32_t height) const
     return {bgr_.get(), size_t{width} * bgr_channels, width, height, bgr_channels, {2, 1, 0}};
 }
 
-// Pixels that are used where they are.
-vdna_pixels Decoder::packed(const vdna_image &image, uint32_t channels, bool bgr) const
+// Packed pixels are used in place.
+vdna_pixels Decoder::packed(const vdna_image &image, const PixelFormat &format) const
 {
     check_sides(image.width, image.height, max_pixels_);
-    const size_t stride = check_packed(image, size_t{image.width} * channels);
-    vdna_pixels pixels = {image.data, stride, image.width, image.height, channels, {0, 0, 0}};
-    for (uint32_t c = 0; channels > 1 && c < 3; c++)
-        pixels.rgb[c] = bgr ? 2 - c : c;
-    return pixels;
+    const size_t stride = check_packed(image, size_t{image.width} * format.channels);
+    const auto [red, green, blue] = format.rgb;
+    return {image.data, stride, image.width, image.height, format.channels, {red, green, blue}};
 }
 
 vdna_pixels Decoder::encoded(const vdna_image &image)
@@ -153,20 +158,21 @@ vdna_pixels Decoder::encoded(const vdna_image &image)
     return pixels;
 }
 
-vdna_pixels Decoder::yuv422(const vdna_image &image)
+vdna_pixels Decoder::yuv422(const vdna_image &image, const PixelFormat &format)
 {
     if (image.width % 2 != 0)
         refuse_layout(image, "an even width");
     check_sides(image.width, image.height, max_pixels_);
     const size_t stride = check_packed(image, size_t{2} * image.width);
-    const auto convert = image.pixelformat == VDNA_PIXEL_YUYV ? yuyv_to_bgr : uyvy_to_bgr;
     const vdna_pixels pixels = own_bgr(image.width, image.height);
-    for (size_t y = 0; y < image.height; y++)
-        convert(image.data + y * stride, image.width, bgr_.get() + y * pixels.stride);
+    for (size_t y = 0; y < image.height; y++) {
+        const uint8_t *const row = image.data + y * stride;
+        format.row_to_bgr(row, row, row, image.width, bgr_.get() + y * pixels.stride);
+    }
     return pixels;
 }
 
-vdna_pixels Decoder::yuv420(const vdna_image &image)
+vdna_pixels Decoder::yuv420(const vdna_image &image, const PixelFormat &format)
 {
     check_sides(image.width, image.height, max_pixels_);
     const size_t stride = stride_of(image, image.width), rows = image.height;
@@ -174,17 +180,15 @@ vdna_pixels Decoder::yuv420(const vdna_image &image)
         refuse_layout(image, "an even width, height and row stride");
     need_bytes(image, stride * (rows + rows / 2));
 
-    const uint8_t *const chroma = image.data + stride * rows;
-    const uint8_t *const v_plane = chroma + stride / 2 * (rows / 2);
+    const bool together = format.arrangement == Arrangement::yuv420_together;
+    const size_t chroma_stride = together ? stride : stride / 2;
+    const uint8_t *const second = image.data + stride * rows;
+    const uint8_t *const third = together ? second : second + chroma_stride * (rows / 2);
     const vdna_pixels pixels = own_bgr(image.width, image.height);
     for (size_t y = 0; y < rows; y++) {
-        const uint8_t *const luma = image.data + y * stride;
-        uint8_t *const out = bgr_.get() + y * pixels.stride;
-        if (image.pixelformat == VDNA_PIXEL_NV12)
-            nv12_to_bgr(luma, chroma + y / 2 * stride, image.width, out);
-        else
-            i420_to_bgr(luma, chroma + y / 2 * (stride / 2), v_plane + y / 2 * (stride / 2),
-                        image.width, out);
+        const size_t chroma = y / 2 * chroma_stride;
+        format.row_to_bgr(image.data + y * stride, second + chroma, third + chroma, image.width,
+                          bgr_.get() + y * pixels.stride);
     }
     return pixels;
 }

@@ -1,4 +1,4 @@
-// Pictures as cameras send them, to pixels in memory.
+// Decoding of pictures as cameras send them.
 #pragma once
 
 #include <memory>
@@ -7,6 +7,8 @@
 
 namespace vdna::picture
 {
+
+struct PixelFormat;
 
 // Decodes one picture after the other into the same memory.
 class Decoder
@@ -22,10 +24,10 @@ class Decoder
     vdna_pixels decode(const vdna_image &image);
 
   private:
-    vdna_pixels packed(const vdna_image &image, uint32_t channels, bool bgr) const;
+    vdna_pixels packed(const vdna_image &image, const PixelFormat &format) const;
     vdna_pixels encoded(const vdna_image &image);
-    vdna_pixels yuv422(const vdna_image &image);
-    vdna_pixels yuv420(const vdna_image &image);
+    vdna_pixels yuv422(const vdna_image &image, const PixelFormat &format);
+    vdna_pixels yuv420(const vdna_image &image, const PixelFormat &format);
     vdna_pixels own_bgr(uint32_t width, uint32_t height) const;
 
     uint32_t max_pixels_;

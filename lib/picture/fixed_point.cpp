@@ -62,7 +62,7 @@ Weights cubic_weights(float x)
 using Four = float __attribute__((vector_size(channels_max * sizeof(float))));
 using FourSums = int32_t __attribute__((vector_size(channels_max * sizeof(int32_t))));
 
-// Four bytes as numbers.
+// Widen four bytes.
 [[gnu::always_inline]] inline FourSums load_levels(const uint8_t *bytes)
 {
     using Bytes = uint8_t __attribute__((vector_size(16)));
@@ -75,9 +75,9 @@ using FourSums = int32_t __attribute__((vector_size(channels_max * sizeof(int32_
         __builtin_shufflevector(words, Words{}, 0, 8, 1, 8, 2, 8, 3, 8));
 }
 
-// A row of the picture with its columns done: for each output pixel the weighted sum of `Taps`
-// source pixels. A pixel's channels are added at once: four bytes are read and four numbers
-// written, however many it has. Whole numbers below 2^24 are exact in float.
+// Resample one source row along its columns: each output pixel is the weighted sum of `Taps` source
+// pixels. All pixels are treated as if they had four channels: the next pixel overwrites the
+// excess. Floats hold these sums exactly, because they are whole and below 2^24.
 template <uint32_t Taps>
 VDNA_VECTORISED void narrow(const uint8_t *row, uint32_t channels, const ColumnTap *taps,
                             uint32_t width, int32_t *out)
@@ -92,7 +92,7 @@ VDNA_VECTORISED void narrow(const uint8_t *row, uint32_t channels, const ColumnT
     }
 }
 
-// The same where four bytes would reach beyond the row.
+// The same for the last pixels of a row, where reading four bytes would leave it.
 void narrow_at_end(const uint8_t *row, uint32_t channels, const ColumnTap *taps, uint32_t taps_each,
                    uint32_t width, int32_t *out)
 {
@@ -105,7 +105,7 @@ void narrow_at_end(const uint8_t *row, uint32_t channels, const ColumnTap *taps,
         }
 }
 
-// Each product loses its lower bits for itself, as 16-bit vectors make it.
+// Each product drops its low bits separately, as OpenCV's 16-bit vectors do.
 VDNA_VECTORISED void blend_two(const int32_t *const *rows, const int16_t *weights, size_t count,
                                uint8_t *out)
 {
@@ -123,7 +123,7 @@ VDNA_VECTORISED void blend_four(const int32_t *const *rows, const int16_t *weigh
     constexpr float unit = 1.0f / (one * one);
     const float of_a = weights[0] * unit, of_b = weights[1] * unit, of_c = weights[2] * unit,
                 of_d = weights[3] * unit;
-    // OpenCV for x86-64 sums floats eight at a time, and what is left over as integers.
+    // OpenCV on x86-64 sums eight numbers at a time in float, and the remainder in integers.
     const size_t vectors = count / 8 * 8;
     for (size_t i = 0; i < vectors; i++) {
         const float sum = static_cast<float>(a[i]) * of_a +
@@ -173,7 +173,8 @@ void FixedPoint::place(uint32_t from, std::vector<Weighed> &axis) const
     for (uint32_t i = 0; i < to; i++) {
         Position position =
             kernel_ == Kernel::grown_area ? grown(i, scale, inverse) : between(i, scale);
-        // Of rows outside OpenCV takes the outermost twice, of columns once: it rounds differently.
+        // Beyond the edge OpenCV blends the outermost row with itself but takes the outermost
+        // column alone, which rounds differently.
         if (&axis == &columns_ && taps_ == 2 && (position.at < 0 || position.at >= last))
             position = {std::clamp(position.at, 0, last), 0.0f};
         axis[i] = {position.at - static_cast<int32_t>(taps_ / 2 - 1),
@@ -199,10 +200,11 @@ void FixedPoint::fill_column_taps()
     }
 }
 
-// A row of the picture with its columns done; those that the row before needed are kept.
+// One source row, resampled along its columns. Neighbouring output rows share most of them, so the
+// last ones are kept.
 const int32_t *FixedPoint::narrow_row(uint32_t source_row)
 {
-    const uint32_t slot = source_row % taps_; // rows that are needed together are neighbours
+    const uint32_t slot = source_row % taps_; // rows needed together are neighbours
     int32_t *const out = narrow_[slot].data();
     if (narrow_of_[slot] == source_row)
         return out;

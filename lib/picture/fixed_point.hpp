@@ -1,4 +1,4 @@
-// Two or four source pixels to an output pixel and axis, weighed in units of 2^-11.
+// Linear and cubic resizing with 11-bit weights.
 #pragma once
 
 #include <array>
@@ -15,12 +15,13 @@ struct ColumnTap {
     float weight;    // a whole number
 };
 
-// As OpenCV resizes 8-bit pictures: columns first, into integers, then rows, rounded once.
+// Resizes as OpenCV does 8-bit pictures: first along the columns, into integers, then along the
+// rows, rounding once.
 class FixedPoint : public Method
 {
   public:
-    // linear, cubic: cv::INTER_LINEAR, cv::INTER_CUBIC. grown_area: what cv::INTER_AREA is where a
-    // side grows: linear, with output pixels that lie within one source pixel taking its colour.
+    // linear, cubic: cv::INTER_LINEAR, cv::INTER_CUBIC. grown_area: cv::INTER_AREA where a side
+    // grows. It blends linearly, but an output pixel within one source pixel takes its colour.
     enum class Kernel { linear, cubic, grown_area };
 
     FixedPoint(Kernel kernel, Size to);
@@ -33,7 +34,7 @@ class FixedPoint : public Method
 
     // The source pixels of an output pixel along one axis.
     struct Weighed {
-        int32_t first; // also outside the picture, where the outermost pixel is taken
+        int32_t first; // may lie outside the picture: then the outermost pixel counts
         std::array<int16_t, taps_max> weights;
     };
 
@@ -48,8 +49,8 @@ class FixedPoint : public Method
     uint32_t next_ = 0; // row of the output
     std::vector<Weighed> rows_, columns_;
     std::vector<ColumnTap> column_taps_; // [width of the output][taps_]
-    uint32_t within_row_ = 0; // output pixels whose taps leave four bytes to the end of the row
-    std::array<std::vector<int32_t>, taps_max> narrow_; // rows of the picture with columns done
+    uint32_t within_row_ = 0; // leading output pixels whose taps may be read as four bytes
+    std::array<std::vector<int32_t>, taps_max> narrow_; // source rows, resampled along columns
     std::array<int64_t, taps_max> narrow_of_{};         // which rows; -1: none
 };
 

@@ -33,7 +33,7 @@ static void refuse(j_common_ptr jpeg)
     longjmp(reader->refused, 1);
 }
 
-/* Level -1 is a warning: libjpeg would go on with grey for what it could not decode. */
+/* Level -1 is a warning: libjpeg would go on, with grey in place of missing data. */
 static void refuse_warnings(j_common_ptr jpeg, int level)
 {
     const struct jpeg_error_mgr *errors = jpeg->err;
@@ -74,7 +74,7 @@ static void read_picture(jpeg_reader *reader)
     jpeg_finish_decompress(jpeg);
 }
 
-/* Do `step`, and let go of libjpeg's memory whether it came back or left by longjmp. */
+/* Run `step`, and free libjpeg's memory whether it returned or left by longjmp. */
 static int attempt(jpeg_reader *reader, void (*step)(jpeg_reader *))
 {
     reader->jpeg.err = jpeg_std_error(&reader->errors);

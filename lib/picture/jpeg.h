@@ -1,5 +1,5 @@
-/* JPEG pictures, decoded completely or refused: libjpeg alone would fill the hole of a damaged one
- * with grey, and tell only stderr. */
+/* Decode JPEG pictures completely or refuse them: left to itself, libjpeg fills the hole in a
+ * damaged one with grey and tells only stderr. */
 #ifndef VDNA_JPEG_H
 #define VDNA_JPEG_H
 

@@ -10,9 +10,9 @@ namespace vdna::picture
 namespace
 {
 
-// A multiple of 1, 3 and 4, so that each sum is of one channel; and enough of them for any vector.
+// A multiple of 1, 3 and 4, so that each sum belongs to one channel, and enough to fill any vector.
 constexpr size_t lanes = 192;
-// A whole picture fits: no sum is of more than VDNA_IMAGE_PIXELS_MAX * 4 / lanes + rows bytes.
+// 32 bits hold the sums of a whole picture: each adds at most this many bytes.
 static_assert((VDNA_IMAGE_PIXELS_MAX / lanes * 4 + VDNA_IMAGE_SIDE_MAX) <= UINT32_MAX / 255);
 
 VDNA_VECTORISED void add_row(const uint8_t *row, size_t bytes, uint32_t *sums)
@@ -24,7 +24,7 @@ VDNA_VECTORISED void add_row(const uint8_t *row, size_t bytes, uint32_t *sums)
         sums[i] += row[i];
 }
 
-// Of each channel, over all pixels.
+// Sum of each channel over all pixels.
 std::array<uint64_t, 4> sums_of(const vdna_pixels &pixels)
 {
     std::array<uint32_t, lanes> sums{};
@@ -41,7 +41,7 @@ std::array<uint64_t, 4> sums_of(const vdna_pixels &pixels)
 
 float mean_grey(const vdna_pixels &pixels)
 {
-    // The weighted sum is linear, so the mean of it is that of the channels' means.
+    // The weighted sum is linear, so its mean is that of the channels' means.
     const std::array<uint64_t, 4> sums = sums_of(pixels);
     const double per_pixel = 1.0 / static_cast<double>(uint64_t{pixels.width} * pixels.height);
     const auto mean = [&](int channel) {

@@ -13,7 +13,7 @@ namespace
 
 constexpr int bits = 22;
 constexpr int32_t half = 1 << (bits - 1);
-constexpr double support = 2.0; // source pixels to either side, where the picture does not shrink
+constexpr double support = 2.0; // source pixels to either side, unless the picture shrinks
 
 // Keys' cubic convolution with a = -0.5.
 double bicubic(double x)
@@ -36,7 +36,7 @@ uint8_t level_of(int32_t sum)
     return static_cast<uint8_t>(std::clamp(sum >> bits, 0, 255));
 }
 
-// Most source pixels of one output pixel: twice what lies to either side, and one.
+// Upper bound of the source pixels that one output pixel depends on.
 size_t span_max(uint32_t from, uint32_t to)
 {
     const double scale = std::max(static_cast<double>(from) / to, 1.0);
@@ -76,7 +76,7 @@ VDNA_VECTORISED void round_row(const int32_t *sums, size_t count, uint8_t *out)
 } // namespace
 
 PillowBicubic::PillowBicubic(Size to)
-    // narrow_ is not initialised: pages that no picture has needed yet are not resident.
+    // narrow_ is left uninitialised, so that it is not resident before a picture needs it.
     : to_(to), kept_(span_max(VDNA_IMAGE_SIDE_MAX, to.height)),
       narrow_(new uint8_t[kept_ * to.width * channels_max]), sums_(to.width * channels_max)
 {

@@ -9,7 +9,7 @@
 namespace vdna::picture
 {
 
-// Columns first, and rounded to 8 bits between the passes; weights in units of 2^-22.
+// Resamples along the columns, rounds to 8 bits, then along the rows. Weights are 22-bit.
 class PillowBicubic : public Method
 {
   public:
@@ -25,11 +25,11 @@ class PillowBicubic : public Method
     Size to_, from_{};
     vdna_pixels picture_{};
     uint32_t next_ = 0;     // row of the output
-    uint32_t narrowed_ = 0; // rows of the picture whose columns are done
+    uint32_t narrowed_ = 0; // source rows resampled along their columns
     Taps<int32_t> rows_, columns_;
-    std::vector<double> weights_;       // of one output pixel, while they are being made
+    std::vector<double> weights_;       // scratch: those of one output pixel
     size_t kept_;                       // rows in narrow_
-    std::unique_ptr<uint8_t[]> narrow_; // the last rows with columns done, each at number % kept_
+    std::unique_ptr<uint8_t[]> narrow_; // ring of the last narrowed rows
     std::vector<int32_t> sums_;         // over rows, [width of the output][channels]
 };
 

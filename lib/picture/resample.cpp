@@ -37,7 +37,7 @@ Method &Resampler::method_for(Size from) const
         if (from.width % to_.width == 0 && from.height % to_.height == 0)
             return *whole_;
     }
-    // Half the size is the one ratio at which OpenCV's linear is its area.
+    // OpenCV halves pictures by area even if linear is asked for.
     if (interpolation_ == Interpolation::linear && from.width == 2 * to_.width &&
         from.height == 2 * to_.height)
         return *whole_;

@@ -8,8 +8,8 @@
 namespace vdna::picture
 {
 
-// area, linear, cubic: as OpenCV, to the last bit, with what it calls INTER_AREA, INTER_LINEAR and
-// INTER_CUBIC. pillow_bicubic: as Python's Pillow, to the last bit.
+// area, linear and cubic give the bytes of OpenCV's INTER_AREA, INTER_LINEAR and INTER_CUBIC (where
+// area sums floats, halves may round otherwise); pillow_bicubic gives those of Python's Pillow.
 enum class Interpolation { area, linear, cubic, pillow_bicubic };
 
 struct Size {
@@ -34,20 +34,20 @@ class Method
 {
   public:
     virtual ~Method() = default;
-    // picture: borrowed until its last row has been asked for.
+    // picture: borrowed until next_row() has given the last row.
     virtual void begin(const vdna_pixels &picture) = 0;
-    // The next row from the top: as many channels as the picture has.
+    // Write the next row, top row first, with the channels of the picture.
     virtual void next_row(uint8_t *out) = 0;
 };
 
-// Any picture to one size.
+// Resizes pictures of any size to one size. All memory is allocated on construction.
 class Resampler
 {
   public:
     // to: sides of 1..VDNA_IMAGE_SIDE_MAX
     Resampler(Interpolation interpolation, Size to);
 
-    // As a Method does.
+    // see Method
     void begin(const vdna_pixels &picture);
     void next_row(uint8_t *out) { method_->next_row(out); }
 
@@ -56,8 +56,8 @@ class Resampler
 
     Interpolation interpolation_;
     Size to_;
-    std::unique_ptr<Method> usual_;   // by the interpolation's name
-    std::unique_ptr<Method> whole_;   // for whole ratios, where OpenCV rounds otherwise
+    std::unique_ptr<Method> usual_;   // for most ratios
+    std::unique_ptr<Method> whole_;   // for whole ratios, which OpenCV rounds differently
     std::unique_ptr<Method> growing_; // `area` where a side grows
     Method *method_ = nullptr;        // of the current picture
 };

@@ -1,4 +1,4 @@
-// Numbers to the nearest 8-bit level.
+// Rounding to 8-bit levels.
 #pragma once
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 namespace vdna::picture
 {
 
-// value: 0..255 and a little beyond. Halves go to the even level. Without a call, so that loops
-// over it are vectors.
+// Round to nearest, halves to even; value: -0.5..255.5. It calls nothing, so loops over it
+// vectorise.
 inline uint8_t level_of(float value)
 {
     constexpr float shift = 12582912.0f; // 1.5 * 2^23: above it floats are whole

@@ -17,7 +17,7 @@ struct Taps {
     std::vector<Span> spans; // [output pixels]
     std::vector<Weight> weights;
 
-    // From now on `output_pixels` spans that have `weight_count` weights in all need no memory.
+    // Allocate for `output_pixels` spans with `weight_count` weights in all.
     void reserve(size_t output_pixels, size_t weight_count)
     {
         spans.reserve(output_pixels);

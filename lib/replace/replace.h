@@ -1,10 +1,10 @@
-/* Private to vdna: replacing a file at once or not at all, whatever interrupts it. A new file is
- * written beside the old one and takes its name when it is complete.
+/* Private to vdna: atomic replacement of a file, safe against any interruption. A new file is
+ * written beside the old one and takes its name when complete.
  *
  *     status = vdna_replace_begin(path, error, &file);         then, if that was VDNA_OK,
  *     status = vdna_replace_write(&file, bytes, size, error);  as often as needed, and one of
  *     status = vdna_replace_commit(&file, durability, error);
- *     status = vdna_replace_stage(&file, error);
+ *     status = vdna_replace_stage(&file, name, error);
  *     vdna_replace_abandon(&file); */
 #ifndef VDNA_REPLACE_H
 #define VDNA_REPLACE_H
@@ -19,20 +19,20 @@ extern "C" {
 
 /* Whether a commit waits for the disk. */
 enum {
-    VDNA_REPLACE_QUICK = 0,  /* after a loss of power the old file, the new one or an empty one may
-                                be  there: for what can be made again and checks itself */
-    VDNA_REPLACE_DURABLE = 1 /* after a loss of power the old file or the new one is there */
+    VDNA_REPLACE_QUICK = 0,  /* after a power loss the old file, the new one or an empty one is
+                                there: for files that can be made again and check themselves */
+    VDNA_REPLACE_DURABLE = 1 /* after a power loss the old file or the new one is there */
 };
 
 #define VDNA_REPLACE_NAME_SIZE 256u
 
-/* Ending of a file that is not complete yet: "NAME.0.partial". */
-#define VDNA_REPLACE_ENDING ".partial"
+/* Bytes of the longest path that Linux takes, its NUL included. */
+#define VDNA_REPLACE_PATH_SIZE 4096u
 
 typedef struct vdna_replace {
     const char *path;                     /* the caller's */
     const char *name;                     /* its last part */
-    int directory;                        /* descriptor of where it is */
+    int directory;                        /* descriptor of its directory */
     int file;                             /* descriptor of the new file, locked by flock() */
     char partial[VDNA_REPLACE_NAME_SIZE]; /* its name until it is complete */
 } vdna_replace;
@@ -40,6 +40,12 @@ typedef struct vdna_replace {
 /* Create the new file beside `path`.
  * @return VDNA_OK; VDNA_ERR_IO */
 vdna_status vdna_replace_begin(const char *path, vdna_error *error, vdna_replace *out_file);
+
+/* The same in a directory that is open, wherever it is by now.
+ * @param directory  a descriptor; stays the caller's
+ * @param path  its last part is the file's name, the rest is for messages only */
+vdna_status vdna_replace_begin_in(int directory, const char *path, vdna_error *error,
+                                  vdna_replace *out_file);
 
 /* Append to the new file. @return VDNA_OK; VDNA_ERR_IO */
 vdna_status vdna_replace_write(const vdna_replace *file, const void *bytes, size_t size,
@@ -50,21 +56,27 @@ vdna_status vdna_replace_write(const vdna_replace *file, const void *bytes, size
  * @return VDNA_OK; VDNA_ERR_IO */
 vdna_status vdna_replace_commit(vdna_replace *file, int durability, vdna_error *error);
 
-/* Make the new file durable under the name in `partial`, for the caller to rename. Ends `file` in
- * any case; after an error the new file is gone.
+/* Make the new file durable and give it another name in the same directory, in place of what had
+ * that. Ends `file` in any case; after an error the new file is gone.
+ * @param name  durable itself once the caller has synced the directory
  * @return VDNA_OK; VDNA_ERR_IO */
-vdna_status vdna_replace_stage(vdna_replace *file, vdna_error *error);
+vdna_status vdna_replace_stage(vdna_replace *file, const char *name, vdna_error *error);
 
 /* Remove the new file; the old one stays. Ends `file`. */
 void vdna_replace_abandon(vdna_replace *file);
 
-/* fsync() that no signal ends early; a file system that cannot sync is well.
+/* fsync() that retries after signals; a file system that cannot sync counts as success.
  * @return 0; -1 and errno */
 int vdna_replace_sync(int descriptor);
 
-/* Whether a partial file was left behind by a writer that is gone.
+/* Bytes of the name that a file is going to have. @return 0 if `partial` is not called as
+ * incomplete files are, "NAME.0.partial" */
+size_t vdna_replace_target(const char *partial);
+
+/* Remove a file that is not locked, so that its writer is gone or has staged it. Nothing happens on
+ * a file system without locks, where nobody can tell.
  * @param directory, name  where it is */
-int vdna_replace_is_orphan(int directory, const char *name);
+void vdna_replace_remove_orphan(int directory, const char *name);
 
 #ifdef __cplusplus
 }

@@ -9,7 +9,7 @@
 
 static const vdna_select_config select_defaults = {0, 0, NULL, 0, 0, 0};
 
-/* At the beginning of the caller's block; then ranking, views, scratch and window. */
+/* At the beginning of the caller's block; ranking, views, scratch and window follow. */
 struct vdna_select {
     vdna_select_config config;
     vdna_window *window;
@@ -40,8 +40,8 @@ static int is_config(const vdna_select_config *config)
     return 1;
 }
 
-/* The window: the first frames of the candidates' shape. Which taps they come in is not known yet
- * and may change; only the sum of the neurons counts. */
+/* The window: the first frames, in the candidates' shape. Their taps are not known yet and may
+ * change; only the sum of the neurons counts. */
 static vdna_window_config window_config_of(const vdna_select_config *config,
                                            vdna_activations *out_shape)
 {
@@ -185,7 +185,7 @@ static vdna_status localise(const vdna_select *select, const float *embedding,
     return status;
 }
 
-/* Give a frame to the window, and choose once that is complete. */
+/* Give a frame to the window, and choose once the window is complete. */
 static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame,
                            vdna_select_answer *answer)
 {
@@ -203,7 +203,7 @@ static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame,
     return events & VDNA_WINDOW_ADDED ? VDNA_OK : localise(select, frame->embedding, answer);
 }
 
-/* Everything that can be wrong with a frame, before any of it is used. */
+/* All checks of a frame, before any of it is used. */
 static vdna_status check_frame(const vdna_select *select, const vdna_select_frame *frame)
 {
     if (!frame || !frame->embedding)

@@ -1,7 +1,7 @@
 #include "cursor.h"
 #include <vdna/transport.h>
 
-/* Bytes on the wire of an element that is a number. */
+/* Bytes on the wire of a numeric element. */
 static const size_t number_sizes[] = {
     [VDNA_MESSAGE_BOOLEAN] = sizeof(int8_t), [VDNA_MESSAGE_BYTE] = sizeof(uint8_t),
     [VDNA_MESSAGE_INT32] = sizeof(int32_t),  [VDNA_MESSAGE_INT64] = sizeof(int64_t),
@@ -24,8 +24,8 @@ static void skip_elements(cursor *c, const vdna_message_member *member, uint32_t
     }
 }
 
-/* A struct holds earlier ones only, so this ends; and it has a byte at least, so a length that is
- * not true is found out by the end of the message at the latest. */
+/* A struct holds earlier ones only, so the recursion ends. It has at least one byte, so a false
+ * length is detected by the end of the message at the latest. */
 static void skip_struct(cursor *c, const vdna_message_type *type)
 {
     uint32_t counts[VDNA_MESSAGE_MEMBERS_MAX] = {0};

@@ -1,4 +1,4 @@
-/* Private: what a vdna_transport holds. */
+/* Private: the contents of a vdna_transport. */
 #ifndef VDNA_CONNECTION_H
 #define VDNA_CONNECTION_H
 
@@ -9,9 +9,9 @@ struct vdna_transport {
     channel_name camera, command;
     vdna_transport_counters counters;
 
-    /* What the poll under way has found. */
+    /* Results of the current poll. */
     uint32_t events;
-    uint64_t unanswered;        /* frames that came and were not handed out, since one was */
+    uint64_t unanswered;        /* frames dropped since the last one handed out */
     vdna_transport_frame frame; /* its picture is in `picture` */
     uint8_t *picture;
     size_t picture_size; /* bytes allocated */
@@ -21,7 +21,7 @@ struct vdna_transport {
     size_t message_size; /* bytes allocated */
 };
 
-/* Room for an encoded message. The block only ever grows, so that messages of like size are
+/* Room for an encoded message. The block only ever grows, so that messages of similar size are
  * published without an allocation. */
 vdna_status vdna_transport_reserve(vdna_transport *transport, size_t size);
 

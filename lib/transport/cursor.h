@@ -7,8 +7,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Where reading has come to. The first read that does not fit sets `broken`; from then on every
- * read gives 0 or NULL, so a parser reads a message straight through and asks once, at its end. */
+/* A read position. The first read that does not fit sets `broken`; from then on every read gives 0
+ * or NULL, so a parser reads a message straight through and asks once, at its end. */
 typedef struct cursor {
     const uint8_t *at;
     size_t left; /* bytes */
@@ -42,7 +42,7 @@ static inline int64_t cursor_int64(cursor *c)
     return (int64_t)cursor_unsigned(c, sizeof(int64_t));
 }
 
-/* A width, a length, a count: an int32 on the wire, of which only 0 and above make sense. */
+/* A width, length or count: an int32 on the wire that must not be negative. */
 static inline uint32_t cursor_count(cursor *c)
 {
     const uint32_t count = (uint32_t)cursor_unsigned(c, sizeof(int32_t));
@@ -63,8 +63,8 @@ static inline void cursor_strings(cursor *c, uint32_t count)
     }
 }
 
-/* A cursor behind the fingerprint, which tells whether the message is of the type expected.
- * Generated decoders take the size as an int, so a larger message is broken as well. */
+/* A cursor behind the fingerprint; broken if the message is of another type. Generated decoders
+ * take the size as an int, so a larger message is broken too. */
 static inline cursor cursor_begin(const void *data, size_t size, uint64_t fingerprint)
 {
     cursor c = {data, size, !data || size > INT32_MAX};
@@ -73,7 +73,7 @@ static inline cursor cursor_begin(const void *data, size_t size, uint64_t finger
     return c;
 }
 
-/* True if all of the message was read, and nothing is left. */
+/* True if the whole message was read and nothing is left. */
 static inline bool cursor_complete(const cursor *c)
 {
     return !c->broken && c->left == 0;

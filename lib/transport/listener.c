@@ -7,8 +7,8 @@
 #define CHANNELS_MAX 256u
 #define QUEUE_MAX 65536u
 
-/* One channel and the message of it that waits. One is enough: LCM takes one message off the
- * network at a time, and hands it to each subscription at most once. */
+/* One channel and its waiting message. One is enough: LCM takes one message off the network at a
+ * time and hands it to each subscription at most once. */
 typedef struct subscription {
     const vdna_network *network;
     channel_name name;
@@ -63,7 +63,7 @@ static vdna_status check_config(const vdna_listener_config *config, vdna_error *
     return VDNA_OK;
 }
 
-/* LCM calls this for each message on a channel; the bytes are LCM's and go when it returns. */
+/* LCM calls this for each message on a channel; the bytes are LCM's and gone once it returns. */
 static void on_message(const lcm_recv_buf_t *received, const char *channel, void *context)
 {
     (void)channel;
@@ -130,7 +130,7 @@ vdna_status vdna_listener_open(const vdna_listener_config *config, vdna_error *e
     return VDNA_OK;
 }
 
-/* A channel whose message waits, in the order in which LCM handed it out; NULL = none. */
+/* The first channel with a waiting message, in LCM's order; NULL = none. */
 static subscription *waiting(vdna_listener *listener)
 {
     for (uint32_t i = 0; i < listener->count; i++)

@@ -71,7 +71,7 @@ void vdna_network_close(vdna_network *network)
     network->lcm = NULL;
 }
 
-/* LCM takes a channel to be a regular expression that the whole name has to match. */
+/* LCM treats a channel as a regular expression that must match the whole name. */
 static void escape(const char *name, char *out_pattern)
 {
     for (; *name; name++) {
@@ -101,7 +101,7 @@ vdna_status vdna_network_subscribe(const vdna_network *network, const char *chan
 }
 
 /* see network.h
- * Not lcm_handle_timeout(): it does not tell a signal from the end. */
+ * Not lcm_handle_timeout(): it cannot tell a signal from the end. */
 int vdna_network_take_one(const vdna_network *network, int32_t timeout_ms)
 {
     struct pollfd incoming = {.fd = lcm_get_fileno(network->lcm), .events = POLLIN};

@@ -25,8 +25,8 @@ vdna_status vdna_network_subscribe(const vdna_network *network, const char *chan
                                    uint32_t queue_length, lcm_msg_handler_t handler, void *context,
                                    vdna_error *error);
 
-/* Take one message, if one comes in time, and have the handlers of its channel called.
- * Returns 1 if a message was taken, 0 if none came or a signal did, -1 if the connection is gone.
+/* Take one message, if one comes in time, and call the handlers of its channel. Returns 1 if a
+ * message was taken, 0 if none came or a signal did, -1 if the connection is gone.
  */
 int vdna_network_take_one(const vdna_network *network, int32_t timeout_ms);
 

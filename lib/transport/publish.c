@@ -54,8 +54,8 @@ static bool are_complete(const vdna_message_member *member, const char *elements
     return true;
 }
 
-/* The encoders that lcm-gen writes take a complete message for granted: no count below 0, and
- * something behind every pointer that they follow. */
+/* lcm-gen's encoders assume a complete message: no negative count, and no NULL among the pointers
+ * that they follow. */
 static bool is_complete(const vdna_message_type *type, const char *message)
 {
     for (uint32_t i = 0; i < type->member_count; i++) {
@@ -65,7 +65,7 @@ static bool is_complete(const vdna_message_type *type, const char *message)
         if (member->kind == VDNA_MESSAGE_COUNT && count_at(elements) < 0)
             return false;
         if (length == 0) {
-            /* It is not negative: the member that counts comes before those that it counts. */
+            /* Not negative: a count precedes the members it counts, so it has been checked. */
             length = (size_t)count_at(message + type->members[member->count_member].offset);
             elements = pointer_at(elements);
         }
@@ -96,7 +96,7 @@ vdna_status vdna_transport_publish(vdna_transport *transport, const char *channe
     return VDNA_OK;
 }
 
-/* Whether the message's signed 32-bit members can hold the picture's. */
+/* Whether the picture's numbers fit the message's signed 32-bit members. */
 static bool is_sendable(const vdna_image *image)
 {
     return image->data && image->size <= VDNA_MESSAGE_BYTES_MAX && image->width <= INT32_MAX &&

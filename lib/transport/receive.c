@@ -7,7 +7,7 @@
  * cannot trap one poll. */
 #define MESSAGES_PER_POLL 256
 
-/* LCM calls this for each message on the camera channel; the bytes are LCM's and go when it
+/* LCM calls this for each message on the camera channel; the bytes are LCM's and gone once it
  * returns. */
 static void on_image(const lcm_recv_buf_t *message, const char *channel, void *context)
 {
@@ -76,9 +76,9 @@ vdna_status vdna_transport_subscribe(vdna_transport *transport, vdna_error *erro
     return subscribe(transport, transport->command, on_command, error);
 }
 
-/* Take all that is there. A live network goes on while we are away, so only its newest frame is
- * of interest; a log waits, so every frame of it is handed out, and a replay gives the same
- * answers at any speed. */
+/* Take all waiting messages. A live network moves on while we work, so only its newest frame
+ * matters; a log waits, so every frame of it is handed out, and a replay gives the same answers at
+ * any speed. */
 static int drain(vdna_transport *transport, int timeout_ms)
 {
     int taken = vdna_network_take_one(&transport->network, timeout_ms);
@@ -103,7 +103,7 @@ vdna_status vdna_transport_poll(vdna_transport *transport, int32_t timeout_ms, u
         return VDNA_ERR_ARG;
 
     transport->events = 0;
-    /* What came before the end is handed out first: the next poll meets the end again. */
+    /* Messages before the end are handed out first: the next poll meets the end again. */
     if (drain(transport, timeout_ms) < 0 && transport->events == 0)
         return VDNA_ERR_IO;
 

@@ -6,7 +6,8 @@
 
 #define DEFAULT_MAX_IMAGE_BYTES (8u << 20)
 
-/* Bytes of vdna_transport_config in version 0.1: the channels to publish on left it before then. */
+/* Bytes of vdna_transport_config in version 0.1: the publishing channels were removed before
+ * that. */
 #define OLDEST_CONFIG sizeof(vdna_transport_config)
 
 static const vdna_transport_config defaults = {.max_image_bytes = DEFAULT_MAX_IMAGE_BYTES};
@@ -72,12 +73,12 @@ static vdna_status reserve_message(vdna_transport *transport, size_t size, vdna_
     return VDNA_OK;
 }
 
-/* LCM 1.3 to 1.5, udpm://: messages half received, all channels together; what it keeps per
- * message, and for itself. */
+/* LCM 1.3 to 1.5, udpm://: messages half received, all channels together; most bytes of a datagram;
+ * LCM's own state. */
 #define LCM_FRAGMENTS_MAX (16u << 20)
 #define LCM_DATAGRAM_MAX 65536u
 #define LCM_ITSELF (1u << 20)
-/* What a camera message has besides its picture, generously: it may carry metadata. */
+/* Bytes of a camera message besides its picture; generous, because it may carry metadata. */
 #define IMAGE_MESSAGE_OVERHEAD 4096u
 
 /* see vdna/transport.h */
@@ -93,8 +94,8 @@ vdna_status vdna_transport_memory_of(const vdna_transport_config *config,
     const uint64_t message = known.max_image_bytes + IMAGE_MESSAGE_OVERHEAD;
     const uint64_t pictures = known.camera_channel ? VDNA_TRANSPORT_QUEUE + 1 : 0;
     const uint64_t commands = known.command_channel ? VDNA_TRANSPORT_QUEUE + 1 : 0;
-    /* Each datagram passes through a ring that grows by half when it is full, and the rings before
-     * it stay until they are empty: at most three times what is in them. */
+    /* Each datagram passes through a ring buffer that grows by half when full, and earlier buffers
+     * stay until they are empty: together at most three times their content. */
     const uint64_t rings = 3 * (pictures + commands + 1) * LCM_DATAGRAM_MAX;
     out_memory->own_bytes = sizeof(vdna_transport) + image + known.max_message_bytes;
     out_memory->lcm_bytes = pictures * message + LCM_FRAGMENTS_MAX + message + rings + LCM_ITSELF;

@@ -10,19 +10,19 @@ from measure import waited
 
 
 def peak_bytes(process):
-    """The most memory that a process has had."""
+    """The peak memory of a process."""
     text = Path(f"/proc/{process}/status").read_text(encoding="ascii")
     return int(re.search(r"VmHWM:\s+(\d+) kB", text)[1]) * 1024
 
 
 def resident_bytes(process):
-    """The memory that a process has."""
+    """The memory of a process."""
     text = Path(f"/proc/{process}/status").read_text(encoding="ascii")
     return int(re.search(r"VmRSS:\s+(\d+) kB", text)[1]) * 1024
 
 
-# glibc's own threshold moves, and with it the peak of one and the same run; this is where it
-# begins, and what the daemon has.
+# glibc's own threshold moves, and with it the peak of the very same run; this is its initial value,
+# which the daemon also sets.
 STEADY = {"MALLOC_MMAP_THRESHOLD_": str(128 << 10)}
 
 
@@ -64,7 +64,7 @@ class Bare:
 
 
 def configured(build, name):
-    """What a build was configured with; "" if it was not."""
+    """The value that a build was configured with; "" if there is none."""
     found = re.search(rf"^{name}:\w+=(.*)$", (build / "CMakeCache.txt").read_text(), re.M)
     return found[1] if found else ""
 

@@ -1,9 +1,9 @@
 /* bare_onnx LIBRARY MODEL THREADS OUTPUT... - the peer of the daemon: ONNX Runtime alone, on a
  * prepared input, for the outputs that the daemon reads.
  *
- * Reads numbers of inferences from standard input, runs that many and prints the seconds that each
- * took, in a line; at the end of input it exits. The options are those of lib/backbone, and nothing
- * else is in the process, so that its memory is the least that this network can do with. */
+ * For each number on standard input, runs that many inferences and prints the seconds of each in
+ * one line; exits at the end of input. The options are those of lib/backbone, and nothing else is
+ * in the process, so that its memory is the least that this network needs. */
 #include <dlfcn.h>
 #include <onnxruntime_c_api.h>
 #include <stdint.h>

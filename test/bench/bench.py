@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Measure speed and memory beside peers in the same run (./dev bench).
 
-Prints a table and keeps it in build/bench/MACHINE.json, where a group that is measured again
-replaces what was there. With --write-page, docs/internals/performance.md and memory.md with their
-plots are made of that file.
+Prints a table and keeps it in build/bench/MACHINE.json, in which a group that is measured again
+replaces its old results. With --write-page, docs/internals/performance.md and memory.md and their
+plots are made from that file.
 """
 import argparse
 import importlib
@@ -24,14 +24,14 @@ def parsed():
     parser = argparse.ArgumentParser(prog="./dev bench", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("groups", nargs="*", metavar="GROUP",
-                        help=f"what to measure; default: all of {' '.join(GROUPS)}")
+                        help=f"groups to measure; default: all of {' '.join(GROUPS)}")
     parser.add_argument("--quick", action="store_true", help="ten minutes at most")
     parser.add_argument("--peers", action="store_true",
-                        help="get the packages to compare with from PyPI first (3 GB)")
+                        help="first install the packages to compare with, from PyPI (3 GB)")
     parser.add_argument("--write-page", action="store_true",
                         help="measure nothing: write performance.md and memory.md in "
-                             "docs/internals of what was measured")
-    parser.add_argument("--no-peers", action="store_true", help="leave them out if they are there")
+                             "docs/internals from earlier measurements")
+    parser.add_argument("--no-peers", action="store_true", help="skip peers, even installed ones")
     parser.add_argument("--tiny", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--build", type=Path, default=ROOT / "build", help=argparse.SUPPRESS)
     parser.add_argument("--out", type=Path, help="another file than build/bench/MACHINE.json")
@@ -43,7 +43,7 @@ def parsed():
 
 
 class Context:
-    """What the groups measure with."""
+    """Tools and settings of the groups."""
 
     def __init__(self, options, build):
         from ours import Library
@@ -56,7 +56,7 @@ class Context:
 
 
 def result(name, unit, scale, timed, more):
-    """A result as it is kept: all times in its unit."""
+    """A result in its stored form: all times in its unit."""
     peers = {peer: {"median": scale * numbers["median"], "speedup": numbers["speedup"]}
              for peer, numbers in timed["peers"].items()}
     scaled = {key: scale * timed[key] for key in ("median", "least", "most")}
@@ -75,7 +75,7 @@ def print_result(entry):
 
 
 def measure(context, name):
-    """Run a group: yields all that is kept of it, after each result."""
+    """Run a group: yields its stored form after each result."""
     import machine
     print(f"\n{name} (load {machine.load()})", flush=True)
     about = {"date": machine.now(), "commit": machine.commit(), "quick": context.quick,
@@ -88,7 +88,7 @@ def measure(context, name):
 
 
 def stored(path):
-    """What was measured on this machine before."""
+    """Earlier measurements on this machine."""
     if path.exists():
         kept = json.loads(path.read_text(encoding="utf-8"))
         if kept.get("format") == FORMAT:
@@ -97,7 +97,7 @@ def stored(path):
 
 
 def write_pages(kept, folder):
-    """The pages of what was measured."""
+    """The pages of the measurements."""
     import page_memory
     import page_performance
     if not kept["groups"]:
@@ -116,7 +116,7 @@ def main():
         write_pages(stored(path), ROOT / "docs" / "internals")
         return
 
-    # Everything but the networks is on one thread, peers as well.
+    # Everything but the networks runs on one thread, peers too.
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     groups = options.groups or list(GROUPS)
     if not options.no_peers:

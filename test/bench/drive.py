@@ -1,5 +1,5 @@
-"""A drive past the daemon: pictures go out over LCM one by one, each as soon as the one before is
-answered, so that none is passed over."""
+"""A drive past the daemon: pictures go out over LCM one by one, each as soon as the previous one is
+answered, so that none is skipped."""
 import re
 import socket
 import struct
@@ -15,7 +15,7 @@ RESET = 1  # of vdna_msg.command_t
 
 
 class Answers:
-    """What the daemon publishes, as datagrams: LCM's short messages on loopback."""
+    """The daemon's output as datagrams: LCM's short messages on loopback."""
 
     def __init__(self):
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -62,7 +62,7 @@ class Drive:
 
 
 def reset_message():
-    """A vdna_msg.command_t that has the daemon choose again."""
+    """A vdna_msg.command_t that makes the daemon choose again."""
     text = FINGERPRINTS.read_text(encoding="ascii")
     fingerprint = int(re.search(r"^vdna_msg\.command_t (\w+)$", text, re.M)[1], 16)
     return struct.pack(">QqiIx", fingerprint, 0, RESET, 1)

@@ -103,7 +103,7 @@ def judged(stored):
 
 
 def verdict(sign, bound, number, reached):
-    """In words; a miss says by how much."""
+    """The verdict in words; a miss says by how much."""
     if reached is None:
         return "not measured"
     if reached:
@@ -113,7 +113,7 @@ def verdict(sign, bound, number, reached):
 
 
 def print_all(stored):
-    """The table on the terminal, of what was measured."""
+    """The table of measured figures on the terminal."""
     print()
     for name, what, sign, bound, number, unit, reached in judged(stored):
         if number is not None:

@@ -1,12 +1,12 @@
 """The parts that decide, one thread each: counting, distance, nearest neighbour, Frechet distance.
 
-Every function yields (name, unit, units in a second, what compare() gave, more numbers)."""
+Every function yields (name, unit, units in a second, result of compare(), more numbers)."""
 import numpy as np
 
 from measure import compare
 
 BINS = 1000
-CANDIDATE_BYTES = 256 << 20  # of different candidates; more of them repeat, for memory's sake
+CANDIDATE_BYTES = 256 << 20  # of different candidates; further ones repeat, to save memory
 LIVE, MAP = 100, 1150  # frames
 
 
@@ -28,13 +28,13 @@ def run(context):
 
 
 def activations(neurons, samples):
-    """A frame of one tap, ranges that hold it, and how many make a round."""
+    """A frame of one tap, its ranges, and the number of frames in a round."""
     frame = np.random.default_rng(1).normal(size=(samples, neurons)).astype(np.float32)
     return frame, np.tile(np.float32([-4, 4]), (neurons, 1)), max(1, 400_000 // frame.size)
 
 
 def window(context, neurons, samples):
-    """Count frames in a full window, where each also takes one out."""
+    """Count frames in a full window, so that each also removes one."""
     from libvdna import Histogram
     from libvdna.activations import Taps
     frame, ranges, frames = activations(neurons, samples)
@@ -69,7 +69,7 @@ def histogram(context, neurons, samples):
 
 
 def scaled(timed, count):
-    """The same for one of `count` things that were done in each call."""
+    """The same per item, if each call did `count` items."""
     for numbers in (timed, *timed["peers"].values()):
         for key in ("median", "least", "most"):
             if key in numbers:
@@ -78,7 +78,7 @@ def scaled(timed, count):
 
 
 def package_histogram(context, frame, batch):
-    """What the reference package does with a batch of activations."""
+    """The reference package's work on a batch of activations."""
     torch, stats = context.peers.torch, context.peers.package
     samples, neurons = frame.shape
     values = torch.from_numpy(frame.T.copy()).reshape(1, neurons, samples, 1).repeat(batch, 1, 1, 1)
@@ -92,7 +92,7 @@ def package_histogram(context, frame, batch):
 
 
 def random_dna(neurons, mass, seed, bins=BINS):
-    """Counts [bins][neurons] of samples that keep to the middle, as those of networks do."""
+    """Counts [bins][neurons] of samples that cluster in the middle, like those of networks."""
     random = np.random.default_rng(seed)
     places = np.clip(random.normal(bins / 2, bins / 10, (mass, neurons)), 0, bins - 1).astype(int)
     flat = places * neurons + np.arange(neurons)
@@ -132,8 +132,8 @@ def emd(context, neurons, count):
 
 
 def emd_peers(context, live, used):
-    """{name: (callable, number of candidates that it does)}; each peer with its data laid out as it
-    likes best. Slow ones do one candidate only."""
+    """{name: (callable, number of candidates per call)}; each peer with its preferred data layout.
+    Slow ones do one candidate only."""
     p, peers, library = live.counts, context.peers, context.library
     rows = [np.ascontiguousarray(table.counts.T) for table in used]
     row_p = np.ascontiguousarray(p.T)
@@ -180,7 +180,7 @@ def faiss_l1(faiss, live, candidates):
 
 
 def searcher(faiss, index, query):
-    """A search for the nearest with as little of Python about it as faiss permits."""
+    """A search for the nearest with as little Python overhead as faiss permits."""
     distance, label = np.empty(1, np.float32), np.empty(1, np.int64)
     pointers = [faiss.swig_ptr(array) for array in (query, distance, label)]
     keep = (query, distance, label)
@@ -191,7 +191,7 @@ def searcher(faiss, index, query):
 
 
 def nearest(context, rows, dim):
-    """Find the nearest of all frames of a map."""
+    """Find the nearest frame of a map."""
     from libvdna._library import KnnMatch, lib
     random = np.random.default_rng(1)
     frames = random.normal(size=(rows, dim)).astype(np.float32)

@@ -1,5 +1,5 @@
 """End to end: pictures go to the real daemon over real LCM, beside ONNX Runtime alone in another
-process and the reference package in this one; and what the daemon's memory does meanwhile."""
+process and the reference package in this one; and the daemon's memory meanwhile."""
 import statistics
 
 from bare import Bare, peak_bytes, resident_bytes
@@ -18,7 +18,7 @@ def run(context):
     names = ["efficientnet_lite0"] if context.tiny else list(NETWORKS)
     for name in names:
         yield drive(context, name, context.scene.manifest(name), "fp32")
-        # Quantising for the largest pictures takes longer than all the rest.
+        # Quantising for the largest pictures takes longer than everything else.
         if not context.tiny and not (context.quick and name == "cosplace_480x640"):
             yield drive(context, name, context.scene.int8_manifest(name), "int8")
     for count in [2] if context.tiny else [4, 100]:
@@ -60,8 +60,8 @@ def drive(context, name, manifest, precision):
 
 
 def summary(blocks, package=None):
-    """As compare() gives, for one frame. blocks: [(what the drive asked, what bare_onnx ran, seconds
-    of the package or None)]; package: what to call it"""
+    """The result of compare(), for one frame. blocks: [(the drive's result, that of bare_onnx,
+    seconds of the package or None)]; package: its name"""
     peers = ["ONNX Runtime alone", *([package] if package else [])]
     per_block = [(statistics.median(frame[0] for frame in asked),
                   statistics.median(inference[0] for inference in bare), theirs,
@@ -79,8 +79,8 @@ def summary(blocks, package=None):
 
 
 def package_of(context, name, files):
-    """The reference package with this network at its best batch size, made once; None where there
-    is no such."""
+    """The reference package with this network at its best batch size, made once; None if PyTorch
+    lacks it."""
     if not context.peers.package or name == "efficientnet_lite0":
         return None
     if name not in context.packages:
@@ -90,7 +90,7 @@ def package_of(context, name, files):
 
 
 def last_frame(context, name, count):
-    """From the last frame of a warmup to the ranking: a warmup of one frame, again and again."""
+    """From the last frame of a warmup to the ranking: a warmup of one frame, repeated."""
     manifest, frames = context.scene.manifest(name), 6 if context.tiny else 20
     picture = context.scene.pictures(3)[0].read_bytes()
     options = ("--map", context.scene.map(manifest, count), "--backbone", manifest,
@@ -106,8 +106,8 @@ def last_frame(context, name, count):
             blocks.append(([(ranked, ranked, wait)], bare.run(1), None))
         with Watch() as watch:
             status = watch.wait_for("status", lambda said: said["processed"] == frames)
-    # By the daemon's own clock, stage by stage: two inferences differ by more than what is looked
-    # for here.
+    # By the daemon's own clock, stage by stage: two inferences differ by more than the effect
+    # sought here.
     stages_ms = {stage: status[stage]["p50_us"] / 1e3
                  for stage in ("queue", "decode", "resize", "rank", "publish")}
     return (f"last frame {name}, K={count}", "ms", 1e3, summary(blocks[2:]),
@@ -115,7 +115,7 @@ def last_frame(context, name, count):
 
 
 def long_run(context, name):
-    """The daemon's memory while frames come and come."""
+    """The daemon's memory over a long run of frames."""
     manifest = context.scene.manifest(name)
     frames = 40 if context.tiny else 1000 if context.quick else 10000
     pictures = [file.read_bytes() for file in context.scene.pictures(10 if context.tiny else 20)]

@@ -1,4 +1,4 @@
-"""One picture through lib/backbone, in this process: what comes on top of the inference."""
+"""One picture through lib/backbone, in this process: the time on top of the inference."""
 import re
 import statistics
 import time
@@ -34,7 +34,7 @@ def rounds_of(context):
 
 
 def whole(context, manifest, name, picture):
-    """A picture's way to activations, but for the network."""
+    """A picture's way to activations, without the network."""
     backbone = context.library.open_backbone(manifest, 2)
     took = []
     for _ in range(rounds_of(context)):
@@ -79,7 +79,7 @@ def resize(context, manifest, rule, width, height):
 
 
 def resizers(context, pixels, rule):
-    """What others do for the same end."""
+    """Other libraries with the same result."""
     works = {}
     if context.peers.cv2:
         cv2 = context.peers.cv2
@@ -95,7 +95,8 @@ def resizers(context, pixels, rule):
 
 
 def summary(rounds, used, peers):
-    """As compare() gives. rounds: [(ours, each peer)]; used: the same, with the wait at the end"""
+    """The result of compare(). rounds: [(ours, each peer)]; used: the same, with the wait at the
+    end"""
     mine = [numbers[0] for numbers in rounds]
     return {
         "median": statistics.median(mine), "least": min(mine), "most": max(mine),

@@ -1,5 +1,5 @@
-"""How time grows with the experiences, the neurons, the bins and the frames, with the exponent
-fitted: 1 = in proportion, 0 = not at all."""
+"""Growth of time with the experiences, the neurons, the bins and the frames, with a fitted
+exponent: 1 = in proportion, 0 = none."""
 import numpy as np
 
 from group_core import random_dna

@@ -1,5 +1,5 @@
-"""How the memory of a selector and of its map grows with the experiences and their sizes. These are
-sizes and no times: machines differ only in their pages, to which a map is rounded."""
+"""Growth of the memory of a selector and of its map with the experiences and their sizes. Machines
+differ only in their page size, to which a map is rounded."""
 import numpy as np
 
 from group_core import random_dna
@@ -23,7 +23,7 @@ def run(context):
 
 
 def sizes(path, experiences, neurons, bins, frames, dim):
-    """Bytes that a selector asks for, and that are mapped of its map."""
+    """Bytes of a selector, and mapped bytes of its map."""
     from libvdna import Experience
     write(path, neurons, bins, frames, dim)
     opened = [Experience.open(path) for _ in range(experiences)]
@@ -44,7 +44,7 @@ def write(path, neurons, bins, frames, dim):
 
 
 def selector_bytes(experiences):
-    """What the library says a selector among them needs."""
+    """The library's statement of the memory of a selector among them."""
     from libvdna._library import SelectCandidate, SelectConfig, lib
     candidates = (SelectCandidate * len(experiences))()
     for experience, candidate in zip(experiences, candidates):
@@ -59,7 +59,7 @@ def selector_bytes(experiences):
 
 
 def mapped_bytes(path):
-    """What the system has mapped of a file for this process, as often as it is mapped."""
+    """Bytes of a file mapped into this process, all mappings together."""
     with open("/proc/self/maps", encoding="utf-8") as maps:
         ranges = [line.split()[0].split("-") for line in maps if line.rstrip().endswith(f" {path}")]
     return sum(int(end, 16) - int(begin, 16) for begin, end in ranges)

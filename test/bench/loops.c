@@ -1,5 +1,5 @@
-/* What the bench does in C: loops over calls that are too short to be timed from Python, the limit
- * of anything that looks at every byte, and the distance in the other layout. */
+/* The bench's parts in C: loops over calls too short to be timed from Python, the limit of anything
+ * that reads every byte, and the distance in the other layout. */
 #include "loops.h"
 
 #include "vectorised.h"
@@ -50,7 +50,7 @@ vdna_status bench_window_add(void *mem, const vdna_activations *tap, size_t fram
     return status;
 }
 
-/* see loops.h; as wide as the core's own loops, or it would not be their limit */
+/* see loops.h; as wide as the core's own loops, to be their limit */
 VDNA_VECTORISED uint64_t bench_read(const uint64_t *words, size_t count, size_t times)
 {
     uint64_t sum = 0;

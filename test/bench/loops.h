@@ -22,8 +22,8 @@ VDNA_API vdna_status bench_window_add(void *mem, const vdna_activations *tap, si
  *  @return a number that depends on every word, so that no read is left out */
 VDNA_API uint64_t bench_read(const uint64_t *words, size_t count, size_t times);
 
-/** The exact distance of tables with one row of bins per neuron, in the same integers: what
- *  vdna_emd_mean() would be if counts were laid out so. All neurons have one mass. */
+/** The exact distance of tables with one row of bins per neuron, in the same integers:
+ *  vdna_emd_mean() for that layout of counts. All neurons have one mass. */
 VDNA_API double bench_emd_neuron_major(const uint32_t *p, const uint32_t *q, uint32_t neurons,
                                        uint32_t bins, uint32_t mass_p, uint32_t mass_q);
 

@@ -1,5 +1,5 @@
-"""What a measurement depends on: the machine, the state of the project, the versions of all taking
-part, and how busy the machine was."""
+"""The circumstances of a measurement: the machine, the state of the project, all versions, and the
+load of the machine."""
 import datetime
 import importlib.metadata
 import os
@@ -64,7 +64,7 @@ def versions(vdna):
 
 
 def load():
-    """Processes that ran or waited, mean over the last minute."""
+    """Mean number of processes that ran or waited, over the last minute."""
     return round(os.getloadavg()[0], 1)
 
 

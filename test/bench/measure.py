@@ -1,15 +1,15 @@
-"""Medians of interleaved rounds, and ratios to peers that ran right after.
+"""Medians of interleaved rounds, and ratios to peers that run right after.
 
-The machine may be shared. So what computes on one thread is measured in processor time; and each
-round knows how long its threads waited for a processor, and only the half of the rounds that waited
-least is used.
+The machine may be shared. So single-threaded work is measured in processor time; each round records
+how long its threads waited for a processor, and only the half of the rounds that waited least is
+used.
 """
 import math
 import os
 import statistics
 import time
 
-SHORTEST = 0.004  # seconds: what takes less is repeated within a round
+SHORTEST = 0.004  # seconds: shorter calls are repeated within a round
 LEAST_ROUNDS = 4
 
 
@@ -37,7 +37,7 @@ def scheduled(process):
 
 
 def seconds_of(work, repeat, clock):
-    """Seconds of one call, and how long its threads waited in relation to that."""
+    """Seconds of one call, and its threads' waiting time as a share of that."""
     before, begin = waited(), clock()
     for _ in range(repeat):
         work()
@@ -46,7 +46,7 @@ def seconds_of(work, repeat, clock):
 
 
 def repeats_of(work, clock):
-    """How often to call so that the clock's and Python's own time do not show; warms up too."""
+    """Number of calls that hides the overhead of the clock and of Python; warms up too."""
     work()
     seconds, _ = seconds_of(work, 1, clock)
     return max(1, math.ceil(SHORTEST / max(seconds, 1e-7)))
@@ -64,7 +64,7 @@ def compare(ours, peers=None, seconds=2.0, rounds=40, clock=time.process_time):
 
     peers: {name: callable that does the same work}
     seconds: when to stop, unless there are fewer than LEAST_ROUNDS yet
-    clock: perf_counter for what waits for a disk
+    clock: perf_counter for work that waits for a disk
     returns: median, least and greatest seconds of ours; of each peer the median, and how many times
              faster than it ours is (the median over the rounds)
     """

@@ -19,7 +19,7 @@ from torch_file import Tensor  # noqa: E402
 
 
 class Random(Tensor):
-    """A tensor whose elements are made when they are wanted."""
+    """A tensor whose elements are made on demand."""
 
     def __init__(self, name, shape):
         self.name, self.shape = name, shape

@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 class Library:
-    """All of a build that is timed in-process."""
+    """The parts of a build that are timed in-process."""
 
     def __init__(self, build):
         self.vdna = import_package(build)
@@ -33,7 +33,7 @@ class Library:
             self._bench.bench_read(array.ctypes.data, array.nbytes // 8, times)
 
     def hist_add(self, histogram, taps, frames):
-        """Count the frame `taps` (activations.Taps) so many times."""
+        """Count the frame `taps` (activations.Taps) `times` times."""
         self._require(self._bench.bench_hist_add(byref(histogram._hist), taps.array, frames))
 
     def window(self, ranges, taps, capacity):
@@ -100,7 +100,7 @@ class Backbone:
 
 
 def import_package(build):
-    """Import lib/python with the library of this build, as its wheel would have it."""
+    """Import lib/python with the library of this build, as in its wheel."""
     folder = build / "test" / "bench" / "python"
     shutil.rmtree(folder, ignore_errors=True)
     package = folder / "libvdna"

@@ -8,7 +8,7 @@ GOLDEN = Path(__file__).resolve().parents[1] / "golden"
 
 
 def torch_network(torch, name):
-    """(module, name of the output that is counted, neurons), or None if PyTorch has no such."""
+    """(module, name of the counted output, neurons), or None if PyTorch has no such network."""
     sys.path.insert(0, str(GOLDEN))
     import make_export
     if name.startswith("cosplace"):
@@ -27,11 +27,11 @@ def torch_network(torch, name):
 
 
 class Package:
-    """VDNAs of pictures as the package makes them."""
+    """VDNAs of pictures by the package."""
 
     def __init__(self, torch, name, size, files, batches):
-        """files: pictures; batches: sizes to choose the fastest of, on one thread or two: on a busy
-        machine, PyTorch's threads wait for each other longer than they compute"""
+        """files: pictures; batches: candidate sizes for the fastest, on one thread or two: on a
+        busy machine, PyTorch's threads wait for each other longer than they compute"""
         from vdna.networks import FeatureExtractionModel
         from vdna.utils.settings import DataSettings, ExtractionSettings, NetworkSettings
         module, output, neurons = torch_network(torch, name)
@@ -58,11 +58,11 @@ class Package:
 
     @property
     def name(self):
-        """With what was found the fastest."""
+        """A name with the fastest setting."""
         return "vdna package, batches of {}, threads: {}".format(*self._setting)
 
     def seconds(self):
-        """How long it takes to count one picture."""
+        """Time to count one picture."""
         return self._seconds(*self._setting)
 
     def _seconds(self, batch, threads):

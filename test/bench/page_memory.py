@@ -1,4 +1,4 @@
-"""docs/internals/memory.md and its plots, from what was measured."""
+"""docs/internals/memory.md and its plots, from the measurements."""
 from figures import beyond_bare_memory, judged, verdict
 from page_performance import drives_of, growth_rows, number, results_of
 from plot import lines
@@ -55,7 +55,7 @@ after {frames_second:,} frames, {last:.1f} after {frames_last:,}; the most was {
 
 
 def write(stored, folder):
-    """The page, and the plots that the measurements are there for."""
+    """The page, and the plots for which there are measurements."""
     text = INTRODUCTION + drives_part(stored)
     text += growth_part(stored, folder) + long_run_part(stored, folder)
     (folder / "memory.md").write_text(text.rstrip() + "\n", encoding="utf-8")

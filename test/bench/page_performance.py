@@ -1,4 +1,4 @@
-"""docs/internals/performance.md and its plots, from what was measured."""
+"""docs/internals/performance.md and its plots, from the measurements."""
 from figures import judged, verdict
 from plot import bars, lines
 
@@ -81,7 +81,7 @@ STAGE_NAMES = ("queue", "decode", "resize", "inference", "select", "rank", "publ
 
 
 def write(stored, folder):
-    """The page, and the plots that the measurements are there for."""
+    """The page, and the plots for which there are measurements."""
     text = introduction(stored) + figures_part(stored)
     plot = throughput_plot(stored)
     if plot:
@@ -93,7 +93,7 @@ def write(stored, folder):
 
 
 def number(value):
-    """Three digits that count, without an exponent where a person would not write one."""
+    """Three significant digits, with an exponent only if a person would write one."""
     if value is None:
         return ""
     if value != 0 and abs(value) < 1e-3:
@@ -102,18 +102,18 @@ def number(value):
 
 
 def results_of(stored, group):
-    """What a group measured; nothing if it did not run."""
+    """The results of a group; nothing if it did not run."""
     return stored["groups"].get(group, {}).get("results", [])
 
 
 def drives_of(stored):
-    """Of the whole drives, one of each network and precision."""
+    """The whole drives, one of each network and precision."""
     return [result for result in results_of(stored, "drive")
             if result["name"].startswith("drive ")]
 
 
 def growth_rows(results):
-    """Of a table: what, sizes, what they take, exponent."""
+    """Rows of a table: subject, sizes, costs, exponent."""
     rows = []
     for result in results:
         (least, first), *_, (most, last) = result["more"]["points"]

@@ -1,4 +1,4 @@
-"""The peers: packages of others in a virtual environment, build/peers, that is made on request."""
+"""The peers: third-party packages in a virtual environment, build/peers, made on request."""
 import os
 import subprocess
 import sys
@@ -8,7 +8,7 @@ PACKAGES = ("torch", "torchvision", "vdna", "faiss-cpu", "POT", "scipy")
 
 
 def enter(build, make):
-    """Begin the script anew in the peers' environment if it is there; `make` it first if asked."""
+    """Restart the script in the peers' environment if it exists; `make` it first if asked."""
     folder = build / "peers"
     python = folder / "bin" / "python3"
     if Path(sys.prefix).resolve() == folder.resolve():
@@ -22,7 +22,7 @@ def enter(build, make):
 
 
 class Peers:
-    """The packages that are here, each None where it is not, on one thread."""
+    """The installed packages, on one thread; None for each one missing."""
 
     def __init__(self):
         self.torch = imported("torch")

@@ -21,13 +21,13 @@ def svg(height, title, parts):
 
 
 def shown(number):
-    """A number with three digits that count."""
+    """A number with three significant digits."""
     return f"{number:.3g}" if number < 1000 else f"{number:,.0f}"
 
 
 def bars(title, groups, unit):
-    """Horizontal bars. groups: [(heading, [(name, value, is ours)])]; each group has its own
-    scale, for only its bars compare."""
+    """Horizontal bars. groups: [(heading, [(name, value, is ours)])]; each group has its own scale,
+    because only its own bars compare."""
     parts, y, begin, room = [], 50, 250, 380
     for heading, rows in groups:
         parts.append(text(16, y, heading, more='fill="#555"'))

@@ -1,4 +1,4 @@
-"""What a drive needs, made once in build/bench and used again: pictures, networks, maps."""
+"""The inputs of a drive, made once in build/bench and reused: pictures, networks, maps."""
 import shutil
 import subprocess
 from pathlib import Path
@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 MAP_FRAMES = 1150
 CALIBRATION = 40  # pictures for int8
 
-# name -> what networks.py makes it of (None: it comes with the project), input height and width
+# name -> arguments of networks.py (None: it comes with the project), input height and width
 NETWORKS = {
     "efficientnet_lite0": (None, 224, 224),
     "mobilenet_v2": (None, 224, 224),
@@ -68,8 +68,8 @@ class Scene:
         return path
 
     def map(self, manifest, count):
-        """A map of experiences that are one built from pictures, but for random counts and
-        embeddings of MAP_FRAMES frames."""
+        """A map of copies of one experience built from pictures, with random counts and embeddings
+        of MAP_FRAMES frames."""
         folder = self.folder / "maps" / f"{manifest.stem}-{count}"
         if not folder.exists():
             seed, part = (folder.with_suffix(end) for end in (".seed", ".part"))

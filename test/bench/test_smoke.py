@@ -1,5 +1,5 @@
-"""A trial of the bench with tiny sizes: what it keeps has the shape that its page is made of. No
-speed is looked at.
+"""A smoke test of the bench with tiny sizes: its results have the shape that its page needs. Speed
+is not checked.
 
     test_smoke.py BUILD
 """
@@ -32,7 +32,7 @@ HAS_DAEMON = (BUILD / "bin" / "vdna_selectord").exists()
 
 
 def command(*arguments):
-    """The bench without the peers, which differ from machine to machine."""
+    """The bench without its peers, which differ from machine to machine."""
     return ["/usr/bin/python3", HERE / "bench.py", "--tiny", "--no-peers", "--build", BUILD,
             *arguments]
 
@@ -43,8 +43,7 @@ def bench(*arguments):
 
 
 def processes_of(session):
-    """{process: its name} of a session; those that have ended and only wait to be asked how are
-    left out."""
+    """{process: its name} of a session; zombies are left out."""
     found = {}
     for path in Path("/proc").glob("[0-9]*/stat"):
         try:

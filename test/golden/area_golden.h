@@ -1,5 +1,5 @@
-/* Hashes of resized noise, as the code before lib/picture had them (OpenCV 4.6 where ratios are
- * whole or a side grows): maps were made with these bytes. Of four channels the first three count.
+/* Hashes of resized noise from the code before lib/picture (OpenCV 4.6 if ratios are whole or a
+ * side grows): existing maps were made with these bytes. Of four channels the first three count.
  */
 static const struct {
     int width, height, to_width, to_height, channels;

@@ -1,4 +1,4 @@
-/* The bridge for test_map.py: writes the sample experience, or prints one that others wrote.
+/* The bridge for test_map.py: writes the sample experience, or prints one written by others.
  *
  *     experience_dump write FILE
  *     experience_dump read FILE     a line each: the field's name, then its numbers or its text */

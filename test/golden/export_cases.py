@@ -1,8 +1,8 @@
 """The networks, weights and pictures of the exporters' golden test, for test_export.py, which runs
 our ONNX files, and for make_export.py, which runs PyTorch.
 
-Weights and pictures are made of bits of the Mersenne Twister with operations that IEEE 754 rounds
-alike everywhere, so they need no committing: the legacy generator of NumPy is frozen for ever.
+Weights and pictures are made from bits of the Mersenne Twister with operations that IEEE 754 rounds
+alike everywhere, so they need not be committed: the legacy generator of NumPy is frozen.
 """
 import math
 import zlib
@@ -25,8 +25,8 @@ def uniform(text, shape, low, high):
 
 
 def tensor(name, shape):
-    """Return random weights for the tensor of this name, such that activations neither die nor grow
-    beyond bounds, and no value is one that an exporter could forget to read, like 0 or 1."""
+    """Return random weights for the tensor of this name, such that activations neither vanish nor
+    explode, and no value is a default, like 0 or 1, that an exporter could forget to read."""
     last = name.rpartition(".")[2]
     if last == "num_batches_tracked":
         return np.full(shape, 7, np.int64)

@@ -1,10 +1,10 @@
-/* Run a network on pictures and write all that comes out, for test_export.py to look at.
+/* Run a network on pictures and write all its outputs for test_export.py.
  *
  *     export_check MANIFEST BINS LOW HIGH PICTURE... >OUTPUT
  *
  * A picture is a file of RGB bytes of the network's own size, so that nothing gets resized. OUTPUT
  * is a line "DIM NAME:NEURONS:SAMPLES[,...]", for each picture its embedding and its taps as
- * floats, and the counts of a histogram over all of them as uint32: all of it as in memory. */
+ * floats, and the counts of a histogram over all of them as uint32, in the machine's byte order. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <vdna/backbone.h>

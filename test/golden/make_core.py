@@ -30,7 +30,7 @@ def histogram(activations, ranges):
 
 
 def emd(p, q):
-    """Of one neuron, whose counts are p and q: the exact fraction."""
+    """The exact distance of one neuron with counts p and q, as a fraction."""
     mass_p, mass_q = sum(p), sum(q)
     below_p = below_q = total = 0
     for count_p, count_q in zip(p, q):

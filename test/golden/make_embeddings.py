@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Compute the embeddings that the golden test expects, without a line of the project's own code.
+"""Compute the expected embeddings of the golden test without any of the project's code.
 
     python3 -m venv /tmp/golden && /tmp/golden/bin/pip install onnxruntime==1.28.0 numpy pillow
     /tmp/golden/bin/python make_embeddings.py MODELS     (writes NAME.npy here)
 
 MODELS is the folder with the ONNX files. Pillow decodes, numpy resizes and normalises, the Python
-package of ONNX Runtime runs the network. The numbers of the preprocessing are written here once
-more, from the publications of the networks: read from the manifests they would prove nothing.
+package of ONNX Runtime runs the network. The numbers of the preprocessing are repeated here from
+the publications of the networks: read from the manifests they would prove nothing.
 
 Committed files: Python 3.11, onnxruntime 1.28.0, numpy 2.4.6, Pillow 13.0.0, on x86-64.
-Tolerance of the test: 1e-3. Runtimes and processors differ by about 1e-5. Of the mistakes it is there
-for, linear in place of area interpolation moves an embedding by 0.19, swapped channels by 1.1, a
-missing mean by 1.6.
+Tolerance of the test: 1e-3. Runtimes and processors differ by about 1e-5. Of the mistakes that the
+test must catch, linear in place of area interpolation moves an embedding by 0.19, swapped channels
+by 1.1, a missing mean by 1.6.
 """
 import pathlib
 import sys

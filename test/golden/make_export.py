@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Write what test_export.py expects: names of tensors and outputs of networks, from PyTorch.
+"""Write the expectations of test_export.py: names of tensors and outputs of networks, from PyTorch.
 
     python3 -m venv VENV && VENV/bin/pip install torch==1.12.1 torchvision==0.13.1 'numpy<2'
     VENV/bin/python test/golden/make_export.py          (Python 3.10; writes export.json and *.pth)
 
-No line of our exporters is used. The ResNets are torchvision's, cut and extended as the authors of
+Our exporters are not used. The ResNets are torchvision's, cut and extended as the authors of
 CosPlace do; the transformers are torchvision's with the tensors renamed as in DINO and Mugs. The
 files *.pth are written by PyTorch in the shape of full training checkpoints: of CosPlace in today's
-container, of Mugs in the older one, with teacher, student and the things that are no weights.
+container, of Mugs in the older one, with teacher, student and entries that are no weights.
 
 Tolerance of the test: 1e-4 of the largest value of an output. Summation order makes 1e-6 to 1e-5.
 """
@@ -69,7 +69,7 @@ def cosplace_resnet101():
 
 
 def tiny_cosplace():
-    """Of a ResNet18's kind of block: narrow, and each layer of another width and depth."""
+    """ResNet18's kind of block: narrow, and each layer of a different width and depth."""
     def layer(inside, outside, blocks, stride):
         shortcut = nn.Sequential(resnet.conv1x1(inside, outside, stride), nn.BatchNorm2d(outside))
         first = resnet.BasicBlock(inside, outside, stride, shortcut if inside != outside else None)
@@ -83,7 +83,7 @@ def tiny_cosplace():
 
 
 class Transformer(vision_transformer.VisionTransformer):
-    """Gives all tokens, as DINO can, where torchvision's gives classes."""
+    """Gives all tokens, as DINO can, instead of torchvision's classes."""
 
     def forward(self, x):
         x = self._process_input(x)
@@ -138,7 +138,7 @@ def prepared(case):
 
 
 def outputs_of(network, x):
-    """Return {output: what is kept of it for each picture, as text}."""
+    """Return {output: the values kept of it for each picture, as text}."""
     kept = {}
 
     def keep(name):

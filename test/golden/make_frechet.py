@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Write frechet_golden.h: Frechet distances by SciPy's sqrtm, for test_frechet.c.
 
-Only cases of full rank, where the textbook formula is sound: more frames than dimensions.
+Only cases of full rank (more frames than dimensions), for which the textbook formula is sound.
 
     test/golden/make_frechet.py > test/golden/frechet_golden.h      (NumPy 2.4.6, SciPy 1.17.1)
 """

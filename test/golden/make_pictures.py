@@ -3,8 +3,8 @@
 
 Our own drawings, so that they can be published. They need numpy and nothing else, use integers
 only, and come out the same everywhere. Red, green and blue differ on purpose. Three of the four are
-resized to the networks' 224x224; their sides are primes, so that no mean of pixels lies right
-between two levels, where implementations may round either way.
+resized to the networks' 224x224; their sides are primes, so that no mean of pixels lies exactly
+between two levels, which implementations may round either way.
 """
 import pathlib
 import struct

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Write pillow_golden.h: what Pillow makes of noise when it resizes it with BICUBIC.
+"""Write pillow_golden.h: noise resized by Pillow with BICUBIC.
 
     python3 -m venv venv; venv/bin/pip install pillow==12.0.0; venv/bin/python make_pillow.py
 
-Up to Pillow 12 columns are first, as in ours; from 13 on rows are, where that is less work.
-Only a hash of each result is kept: ours must be equal to the last bit.
+Up to Pillow 12 columns are first, as in ours; from 13 on rows are, if that is less work. Only a
+hash of each result is kept: ours must be equal to the last bit.
 """
 import pathlib
 

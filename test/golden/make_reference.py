@@ -7,8 +7,8 @@
     VENV/bin/python test/golden/make_reference.py > test/golden/reference_golden.h   (Python 3.10)
 
 The counts are a formula, so that the file need not hold them. The package divides the counts by
-their sum, subtracts, and sums up, all in double; its rounding grows with the bins (1000 here), ours
-does not, hence the tolerance of the test: 1e-12 of the distance.
+their sum, subtracts, and sums up, all in double. Its rounding error grows with the bins (1000
+here), ours does not; hence the tolerance of the test, 1e-12 of the distance.
 """
 import textwrap
 

@@ -1,4 +1,4 @@
-// Embeddings of the shipped networks, against numbers that another implementation computed.
+// Embeddings of the shipped networks, against numbers of another implementation.
 #include <cmocka.hpp>
 #include <folder.hpp>
 
@@ -18,7 +18,7 @@ static const size_t picture_count = 4;
 static const std::filesystem::path here = VDNA_GOLDEN;
 static const std::filesystem::path shared = VDNA_SHARED "/models/golden";
 
-// The numbers of a NumPy file of little-endian float32: a 10-byte preface, a header, then they.
+// The numbers of a NumPy file of little-endian float32: a 10-byte preface, a header, the numbers.
 static std::vector<float> numbers_of(const std::filesystem::path &file)
 {
     const std::string bytes = file_bytes(file);
@@ -91,7 +91,7 @@ static void real_pictures_give_the_embeddings_of_the_python_peer(void **)
         assert_reproduced(name.c_str(), shared / (name + "_embedding.npy"), shared / "g");
 }
 
-// Real pictures when called with an argument: they are not part of the project.
+// Real pictures if there is an argument: they are not part of the project.
 int main(int argc, char **)
 {
     const CMUnitTest drawn[] = {

@@ -1,7 +1,7 @@
 """Tests of models/export.py: its ONNX files against PyTorch, and its refusals.
 
 export.json and tiny_*.pth are by PyTorch (make_export.py). The networks of full size get their
-weights from a generator, for a checkpoint of 350 MB is not for a repository.
+weights from a generator, because a repository is no place for a checkpoint of 350 MB.
 """
 import contextlib
 import io
@@ -36,7 +36,7 @@ BINS, LOW, HIGH = 50, -1.0, 2.0  # some activations lie beyond, some on edges
 
 
 class Generated(Tensor):
-    """A tensor whose elements are made when they are wanted."""
+    """A tensor whose elements are made on demand."""
 
     def __init__(self, name, shape):
         self.name, self.shape = name, shape
@@ -51,7 +51,7 @@ def generated_checkpoint(case):
 
 
 def quietly(function, *arguments):
-    """Return what the function prints."""
+    """Return the function's output."""
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         function(*arguments)
     return printed.getvalue()
@@ -69,7 +69,7 @@ def export_file(kind, case, folder, *more):
 
 
 class Outputs:
-    """What a network gives for the pictures of its case, by export_check."""
+    """A network's outputs for the pictures of its case, by export_check."""
 
     def __init__(self, manifest, case, folder):
         pictures = []
@@ -220,7 +220,7 @@ class Refusals(unittest.TestCase):
         self.refused("vit", checkpoint, "'patch_embed.proj.weight' makes 1280 numbers of 14x14 "
                      "pixels, expected a multiple of 64 up to 1024, of a square")
 
-    def test_weights_that_are_no_numbers(self):
+    def test_weights_that_are_not_finite(self):
         checkpoint = generated_checkpoint("tiny_mugs")
         checkpoint["norm.bias"].array = lambda: np.full(64, np.nan)
         self.refused("vit", checkpoint, "'norm.bias' has a NaN or infinity, expected none")
@@ -233,13 +233,13 @@ class Refusals(unittest.TestCase):
                      "needs pictures of multiples of 32 pixels, found --size 480x641",
                      "--size", "480x641")
 
-    def test_not_a_bias_of_the_attention_that_is_missing(self):
+    def test_a_missing_bias_of_the_attention_is_accepted(self):
         checkpoint = generated_checkpoint("tiny_mugs")
         del checkpoint["blocks.0.attn.qkv.bias"]
         network, _ = export.build(export.parsed(["vit", "generated", "nowhere"]), checkpoint)
         self.assertIn("tokens", network.outputs)
 
-    def test_not_a_head_that_is_not_used(self):
+    def test_an_unused_head_is_accepted(self):
         checkpoint = generated_checkpoint("tiny_mugs")
         checkpoint["relation_blocks.0.norm1.weight"] = Generated("norm1.weight", (64,))
         _, left = export.build(export.parsed(["vit", "generated", "nowhere"]),

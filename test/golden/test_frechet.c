@@ -4,7 +4,7 @@
 #include "cmocka_all.h"
 #include "frechet_golden.h"
 
-/* SciPy takes a matrix root where we take singular values: what both lose in rounding differs. */
+/* SciPy takes a matrix root, we take singular values: their rounding errors differ. */
 static void full_rank_distances_agree_with_scipy(void **state)
 {
     (void)state;

@@ -2,8 +2,8 @@
 
     test_map.py EXPERIENCE_DUMP SPEC_MAP_MD
 
-What our writer writes opens with the package; what the package and the recipe of the specification
-write opens with our reader. Exit code 77 = skipped: the package is not there.
+The package opens files of our writer; our reader opens files of the package and of the recipe in
+the specification. Exit code 77 = skipped: the package is missing.
 """
 
 import json
@@ -47,7 +47,7 @@ SAMPLE = {
 
 
 def spec_block(language, holding):
-    """The code block of the specification that holds some text."""
+    """The code block of the specification that contains some text."""
     with open(SPEC, encoding="utf-8") as spec:
         blocks = re.findall(rf"```{language}\n(.*?)```", spec.read(), re.DOTALL)
     (block,) = [text for text in blocks if holding in text]

@@ -1,4 +1,4 @@
-// Resizing against what Pillow and the code that made the maps of old gave.
+// Resizing against Pillow and the code that made existing maps.
 #include <cmocka.hpp>
 
 #include <vector>

@@ -62,6 +62,14 @@ static inline directory make_directory(void)
     return made;
 }
 
+/* The same in memory, if the system has such a place: for tests with thousands of files that care
+ * for no disk. */
+static inline directory make_directory_in_memory(void)
+{
+    directory made = {"/dev/shm/vdna-test-map-XXXXXX"};
+    return mkdtemp(made.path) ? made : make_directory();
+}
+
 static inline void remove_directory(const directory *made)
 {
     char command[128];
@@ -70,11 +78,27 @@ static inline void remove_directory(const directory *made)
         abort();
 }
 
+static inline void remove_all_files(const directory *made)
+{
+    DIR *listing = opendir(made->path);
+    for (const struct dirent *entry; (entry = readdir(listing)) != NULL;)
+        unlinkat(dirfd(listing), entry->d_name, 0);
+    closedir(listing);
+}
+
 /* CMocka's set-up and tear-down: each test gets an empty directory as its *state. */
 static inline int set_up_directory(void **state)
 {
     directory *made = malloc(sizeof *made);
     *made = make_directory();
+    *state = made;
+    return 0;
+}
+
+static inline int set_up_directory_in_memory(void **state)
+{
+    directory *made = malloc(sizeof *made);
+    *made = make_directory_in_memory();
     *state = made;
     return 0;
 }

@@ -1,5 +1,4 @@
-"""Programs that run beside a test or the bench, and end with it however it ends: it may be killed
-before it can stop them."""
+"""Helper programs end with their test or bench, even if that is killed before it can stop them."""
 
-# Goes before the command of a subprocess.Popen, and becomes it.
+# Prefix for the command of a subprocess.Popen, which it then executes.
 ENDS_WITH_US = ("setpriv", "--pdeathsig", "KILL")

@@ -1,5 +1,5 @@
-"""Network namespaces for tests: real LCM over UDP multicast, met by neither other tests nor the
-machine's network. It needs no root; where the system does not permit it, the tests are skipped
+"""Network namespaces for tests: real LCM over UDP multicast, isolated from other tests and from the
+machine's network. No root needed; if the system does not permit namespaces, the tests are skipped
 (exit code 77).
 """
 import os
@@ -17,7 +17,7 @@ def _in_own_network(command):
 
 
 def _require_permission():
-    """Exits with 77 if no namespace can be made."""
+    """Exit with 77 if no namespace can be made."""
     os.environ["PATH"] += ":/usr/sbin:/sbin"  # `ip` is not on every user's path
     try:
         result = subprocess.run(_in_own_network(["true"]), capture_output=True, text=True)
@@ -30,7 +30,7 @@ def _require_permission():
 
 
 def enter():
-    """Begin the script anew in a namespace of its own, unless it is in one."""
+    """Restart the script in its own namespace, unless it is already in one."""
     if os.environ.get(_INSIDE):
         return
     _require_permission()
@@ -49,8 +49,8 @@ def _test_ids(suite):
 
 
 def run_tests_apart(prepare):
-    """Run the tests of the calling script, each in a namespace of its own; those that are named on
-    the command line, or else all. `prepare` makes what they share, once."""
+    """Run the tests named on the command line, or all tests of the calling script, each in its own
+    namespace. `prepare` makes their shared data, once."""
     if os.environ.get(_INSIDE):
         unittest.main()
     _require_permission()

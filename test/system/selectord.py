@@ -1,4 +1,4 @@
-"""The programs under test as objects: a running vdna_selectord, and `vdna watch` beside it.
+"""The programs under test as objects: a running vdna_selectord and `vdna watch`.
 
 VDNA_BIN is the folder of vdna and vdna_selectord.
 """
@@ -16,13 +16,13 @@ import unittest
 from ends_with_us import ENDS_WITH_US
 
 BIN = os.environ["VDNA_BIN"]
-# LCM's own default network is that of the namespace.
+# LCM's default network is that of the namespace.
 os.environ.pop("LCM_DEFAULT_URL", None)
-PATIENCE = 60  # seconds for what takes far less on an idle machine
+PATIENCE = 60  # seconds; an idle machine needs far less
 
 
 def vdna(*arguments, check=True):
-    """Run `vdna` to its end; its standard output and error are in the result."""
+    """Run `vdna` to its end; the result has its standard output and error."""
     result = subprocess.run([os.path.join(BIN, "vdna"), *map(str, arguments)],
                             capture_output=True, text=True, timeout=10 * PATIENCE)
     if check and result.returncode != 0:
@@ -32,12 +32,12 @@ def vdna(*arguments, check=True):
 
 
 def vdna_json(*arguments):
-    """What `vdna ... --json` prints."""
+    """The output of `vdna ... --json`."""
     return json.loads(vdna(*arguments, "--json").stdout)
 
 
 def jpegs_in(folder):
-    """The contents of its JPEG files, by name."""
+    """The contents of the folder's JPEG files, by name."""
     found = []
     for name in sorted(os.listdir(folder)):
         if name.endswith(".jpg"):
@@ -57,13 +57,13 @@ class WithConfiguration(unittest.TestCase):
 
 
 def selectord(*arguments):
-    """Run vdna_selectord to an end that it comes to by itself."""
+    """Run vdna_selectord until it ends by itself."""
     return subprocess.run([os.path.join(BIN, "vdna_selectord"), *map(str, arguments)],
                           capture_output=True, text=True, timeout=PATIENCE)
 
 
 class _Lines:
-    """The lines of a pipe, read by a thread so that waiting for one has an end."""
+    """The lines of a pipe, read by a thread so that a wait can time out."""
 
     def __init__(self, pipe):
         self._queue = queue.Queue()
@@ -77,7 +77,7 @@ class _Lines:
         self._queue.put(None)
 
     def rest(self):
-        """All lines not taken yet, once the other end is closed."""
+        """All lines not taken yet; waits until the other end is closed."""
         self._thread.join()
         return [line for line in self._queue.queue if line is not None]
 
@@ -92,8 +92,8 @@ class _Lines:
 class Selectord:
     """A running daemon; the constructor returns once it is READY.
 
-    `program` takes the place of vdna_selectord; `environment` is added to this process's own;
-    `prefix` is a command that runs the daemon, and becomes it.
+    `program` replaces vdna_selectord; `environment` is added to this process's own; `prefix` is a
+    command that executes the daemon in its place.
     """
 
     def __init__(self, *options, program=os.path.join(BIN, "vdna_selectord"), environment=None,
@@ -104,7 +104,7 @@ class Selectord:
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.pid = self._process.pid
         self._output, self._errors = _Lines(self._process.stdout), _Lines(self._process.stderr)
-        self.log = []  # its standard error, once it has ended
+        self.log = []  # its standard error, after its end
         if not self._output.next(time.monotonic() + PATIENCE):
             self.__exit__()
             raise AssertionError(f"the daemon was never READY: {self.log}")
@@ -122,7 +122,7 @@ class Selectord:
         return self._process.poll() is None
 
     def stop(self, number=signal.SIGTERM):
-        """End it by a signal: its exit code, and how many seconds it took."""
+        """End it by a signal; return its exit code and the seconds it took."""
         begin = time.monotonic()
         self._process.send_signal(number)
         code = self._process.wait(PATIENCE)
@@ -153,7 +153,7 @@ class Watch:
         self._errors.rest()
 
     def wait_for(self, kind, accept=lambda message: True, seconds=PATIENCE):
-        """The next message of this type that is accepted. All that come meanwhile are kept."""
+        """The next message of this type that `accept` accepts. All others are kept."""
         deadline = time.monotonic() + seconds
         while (line := self._lines.next(deadline)) is not None:
             message = json.loads(line)
@@ -164,18 +164,18 @@ class Watch:
                              f"{self.messages[-3:]}")
 
     def collect(self, seconds):
-        """Keep all that comes in this time."""
+        """Keep all messages of this time."""
         deadline = time.monotonic() + seconds
         while (line := self._lines.next(deadline)) is not None:
             self.messages.append(json.loads(line))
 
     def of(self, kind):
-        """The messages of one type that have come so far."""
+        """The messages of one type received so far."""
         return [message for message in self.messages if message["type"] == kind]
 
 
 class Listener:
-    """The messages of one channel, undecoded, without a program in between. Short ones only."""
+    """The short messages of one channel, undecoded, received directly."""
 
     def __init__(self, channel):
         self._channel = channel.encode() + b"\0"
@@ -192,8 +192,8 @@ class Listener:
         self._socket.close()
 
     def next(self, seconds=PATIENCE):
-        """The next message's bytes."""
-        deadline = time.monotonic() + seconds  # for all: other channels' messages come meanwhile
+        """The bytes of the next message."""
+        deadline = time.monotonic() + seconds  # overall: other channels' messages also arrive
         while True:
             self._socket.settimeout(max(0.001, deadline - time.monotonic()))
             data = self._socket.recv(65536)
@@ -208,7 +208,7 @@ def answer_of(message):
 
 
 def memory_of(pid):
-    """What /proc says about a process's memory, in bytes: VmRSS, VmHWM, VmLck, ..."""
+    """Memory of a process from /proc, in bytes: VmRSS, VmHWM, VmLck, ..."""
     with open(f"/proc/{pid}/status", encoding="ascii") as file:
         lines = [line.split() for line in file]
     return {line[0][:-1]: 1024 * int(line[1]) for line in lines if line[-1] == "kB"}
@@ -235,13 +235,13 @@ class Camera:
         self._socket.sendto(data, self.ADDRESS)
 
     def send(self, message):
-        """Any bytes as one message."""
+        """Send any bytes as one message."""
         header = struct.pack(">II", self.MAGIC, self._number)
         self._number += 1
         self.send_datagram(header + self._channel + b"\0" + message)
 
     def send_jpeg(self, utime, data):
-        """A well-formed camera message; what it says is a JPEG need not be one."""
+        """Send a well-formed camera message; its data need not be a JPEG."""
         self.send(image_message(utime, data))
 
 

@@ -1,7 +1,7 @@
-"""The vdna program from outside: build, calibrate, info, rank, localise, and how they refuse.
+"""The vdna program from outside: build, calibrate, info, rank, localise, and their errors.
 
-Pictures are made here, experience files are read here (docs/reference/SPEC-map.md), and counts and
-distances are computed again in plain Python, so nothing is compared with itself.
+The test makes pictures, reads experience files (docs/reference/SPEC-map.md), and recomputes counts
+and distances in plain Python, so nothing is compared with itself.
 """
 
 import json
@@ -35,7 +35,7 @@ def write_picture(path, seed, width=48, height=32):
 
 
 class Experience:
-    """An experience file, taken apart by the safetensors layout alone."""
+    """An experience file, parsed by the safetensors layout alone."""
 
     FORMATS = {"U32": "I", "F32": "f", "F64": "d", "I64": "q"}
 
@@ -58,7 +58,7 @@ class Experience:
         return self.tensors["counts"][neuron::self.neurons]
 
     def recount(self, neuron):
-        """The same from the embeddings, which are the activations of the default backbone."""
+        """The same counts from the embeddings, the activations of the default backbone."""
         lo, hi = self.tensors["range"][2 * neuron:2 * neuron + 2]
         mid, half = (lo + hi) / 2, (hi - lo) / 2
         counts = [0] * self.bins
@@ -105,7 +105,7 @@ class Scratch(unittest.TestCase):
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
 
     def vdna(self, *arguments):
-        """What a run that must go well prints."""
+        """The output of a run that must succeed."""
         done = self.run_vdna(*arguments)
         self.assertEqual(done.returncode, 0, f"vdna {arguments}: {done.stderr}")
         return done.stdout
@@ -114,7 +114,7 @@ class Scratch(unittest.TestCase):
         return json.loads(self.vdna(*arguments, "--json"))
 
     def refused(self, *arguments, code=1):
-        """The sentence of a run that must fail."""
+        """The error message of a run that must fail."""
         done = self.run_vdna(*arguments)
         self.assertEqual(done.returncode, code, f"vdna {arguments}: {done.stderr}")
         self.assertRegex(done.stderr, r"\Avdna: .+\n\Z")
@@ -204,7 +204,7 @@ class Build(Scratch):
         self.assertEqual(tensors["frame_position"], [1, 2, 0, 3, 4, 0, 5, 6, 0])
         self.assertEqual(tensors["frame_utime"], [100, 200, 300])
 
-    def test_every_takes_one_frame_of_so_many(self):
+    def test_every_keeps_every_nth_frame(self):
         self.pictures("a", range(5))
         self.vdna("build", "map", "a", "--every", 2, "--rate", 2)
         tensors = Experience(self.folder / "map/a.vdna").tensors
@@ -245,7 +245,7 @@ class Build(Scratch):
         self.assertIn("--name", self.refused("build", "map", "a", "x/a", code=2))
         self.refused("build", "map", "a", "x/a", "--name", "b", code=2)
 
-    def test_sources_that_are_none_are_refused(self):
+    def test_paths_that_are_no_sources_are_refused(self):
         (self.folder / "empty").mkdir()
         (self.folder / "text.txt").write_text("no video\n")
         self.assertIn("no pictures", self.refused("build", "map", "empty"))
@@ -262,7 +262,7 @@ class Build(Scratch):
         self.assertIn("resnet9000",
                       self.refused("build", "map", "a", "--backbone", "resnet9000"))
 
-    def test_what_is_in_the_way_of_one_experience_leaves_the_map_as_it_was(self):
+    def test_an_obstacle_to_one_experience_leaves_the_map_unchanged(self):
         self.pictures("a", range(1))
         self.pictures("b", range(1))
         self.vdna("build", "map", "a")
@@ -279,7 +279,7 @@ class Build(Scratch):
         self.refused("build", "map", "a", "--backbone", "resnet9000")
         self.assertFalse((self.folder / "map").exists())
 
-    def test_interrupted_it_leaves_the_map_as_it_was(self):
+    def test_an_interrupt_leaves_the_map_unchanged(self):
         self.pictures("a", range(2))
         self.vdna("build", "map", "a")
         self.pictures("long", range(3))
@@ -367,7 +367,7 @@ class Info(Scratch):
             self.assertEqual(told[key], file.metadata[key])
         self.assertIn("frames: 3", self.vdna("info", "map"))
 
-    def test_experiences_that_do_not_compare_are_told(self):
+    def test_experiences_that_do_not_compare_are_reported(self):
         self.pictures("a", range(2))
         self.pictures("b", range(2))
         self.vdna("build", "map", "a")
@@ -546,7 +546,7 @@ class Localise(Scratch):
 
 
 class CommandLine(Scratch):
-    def test_alone_it_helps(self):
+    def test_without_a_sub_command_it_prints_help(self):
         self.assertIn("build", self.vdna())
         self.assertIn("130", self.vdna("--help"))
 
@@ -557,7 +557,7 @@ class CommandLine(Scratch):
     def test_it_tells_its_version(self):
         self.assertRegex(self.vdna("--version"), r"\Avdna \d+\.\d+\.\d+\n\Z")
 
-    def test_wrong_usage_is_told_apart(self):
+    def test_wrong_usage_has_its_own_exit_code(self):
         for arguments in (("nonsense",), ("build",), ("build", "map"), ("info",),
                           ("build", "map", "a", "--bins", 1), ("build", "map", "a", "--rate", 0),
                           ("build", "map", "a", "--every", 0), ("info", "map", "--nonsense"),

@@ -1,7 +1,7 @@
 """System test of vdna_selectord: real daemon, real network, real LCM, simulated pictures.
 
 Environment: VDNA_BIN (folder of the programs), VDNA_MODELS (folder of the backbones).
-Works in the current directory; an existing map is used again.
+Works in the current directory; an existing map is reused.
 """
 import json
 import os
@@ -26,7 +26,7 @@ RATES = (10, 5, 2)  # Hz; an idle machine manages 100
 
 
 def prepare():
-    """Three traversals as a map, and a drive on another day of one of them."""
+    """Three traversals as a map, and a drive like one of them on another day."""
     if os.path.exists(LIVE):
         return
     shutil.rmtree(WORK, ignore_errors=True)
@@ -46,7 +46,7 @@ def first_picture():
 
 
 def has_answered(frames):
-    """A status that has them all."""
+    """True for a status that counts all of them."""
     return lambda status: status["received"] >= frames
 
 
@@ -56,9 +56,9 @@ class Network(WithConfiguration):
     work = WORK
 
     def drive(self, *options):
-        """Everything that a fresh daemon says to the live drive.
+        """All messages of a fresh daemon for the live drive.
 
-        On a busy machine it may pass over frames, as it is meant to; then they come again, slower.
+        On a busy machine the daemon may skip frames, as designed; then they are sent again, slower.
         """
         for rate in RATES:
             with Watch() as watch, Selectord("--map", MAP, *options):
@@ -66,7 +66,7 @@ class Network(WithConfiguration):
                 status = watch.wait_for("status", has_answered(FRAMES))
             if status["skipped"] == 0:
                 return watch
-        raise AssertionError(f"frames were passed over even at {RATES[-1]} Hz")
+        raise AssertionError(f"frames were skipped even at {RATES[-1]} Hz")
 
     def test_says_what_rank_and_localise_say(self):
         said = self.drive("--warmup-frames", WARMUP)
@@ -220,7 +220,7 @@ class Network(WithConfiguration):
             self.assertLessEqual(stage["newest_us"], stage["max_us"])
         self.assertGreater(status["inference"]["p50_us"], status["resize"]["p50_us"])
         latencies = sorted(answer["latency_us"] for answer in watch.of("localisation"))
-        # The total ends when the answer is sent, the latency in it just before.
+        # The total ends when the answer is sent, its latency just before.
         self.assertGreaterEqual(status["total"]["max_us"], latencies[-1])
         self.assertGreaterEqual(status["total"]["p50_us"] * 64 / 63, latencies[3])
         parts = sum(status[name]["newest_us"]
@@ -271,7 +271,7 @@ class Onlooker(unittest.TestCase):
     """`vdna watch` without a daemon."""
 
     def test_a_reader_who_takes_his_time_loses_nothing(self):
-        sent = 900  # a pipe holds some 200, LCM by itself would keep 30
+        sent = 900  # a pipe holds about 200, LCM alone would keep 30
         with Camera("VDNA_LOCALISATION") as daemon, subprocess.Popen(
                 [os.path.join(BIN, "vdna"), "watch", "--json", "--until", f"localisation:{sent}",
                  "--for", "20"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -290,7 +290,7 @@ class CommandLine(WithConfiguration):
     work = WORK
 
     def assert_refused(self, text, place, *words):
-        """The configuration ends the daemon with exit code 2 and a line that names the place."""
+        """The daemon exits with code 2 and a line that names the place in the configuration."""
         path = self.configure(text)
         result = selectord("-c", path)
         self.assertEqual(result.returncode, 2, result.stderr)

@@ -1,9 +1,9 @@
 """`vdna eval` against an independent computation in NumPy, on rendered and on real pictures.
 
-From the exported embeddings, grey levels, places and positions everything is computed again as the
-definitions say: recalls must agree exactly, Earth Mover's Distances within 1e-9, Frechet distances
-within 1e-6. The activations of the default backbone are its embeddings. Real pictures are skipped
-where they, which may not be published, are not at VDNA_SHARED.
+Everything is recomputed by definition from the exported embeddings, grey levels, places and
+positions: recalls must agree exactly, Earth Mover's Distances within 1e-9, Frechet distances within
+1e-6. The activations of the default backbone are its embeddings. Real pictures may not be
+published; tests on them are skipped if VDNA_SHARED does not have them.
 """
 
 import hashlib
@@ -44,7 +44,7 @@ def write_picture(path, seed, width=48, height=32, backdrop=None):
 # The definitions in NumPy.
 
 def expanded_range(maps):
-    """[neurons][2] in the float precision of the tables."""
+    """[neurons][2], in the precision of the tables."""
     lo = np.min([m.min(axis=0) for m in maps], axis=0).astype(np.float64)
     hi = np.max([m.max(axis=0) for m in maps], axis=0).astype(np.float64)
     mid, half = (lo + hi) / 2, (hi - lo) / 2 * np.float64(np.float32(1.2))
@@ -116,7 +116,7 @@ class Evaluation(unittest.TestCase):
         self.cache = self.folder / "cache"
 
     def evaluate(self, *arguments):
-        """The result of a run that must go well."""
+        """The result of a run that must succeed."""
         done = vdna("eval", *arguments, "--cache", self.cache, "--json",
                     self.folder / "result.json")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -138,7 +138,7 @@ class Evaluation(unittest.TestCase):
         return dataset
 
     def agrees(self, *arguments):
-        """Run, and compare everything with NumPy."""
+        """Run and compare everything with NumPy."""
         self.evaluate(*arguments, "--npy", self.folder / "npy")
         found = Exported(self.folder)
         for query in found.queries:
@@ -211,7 +211,7 @@ class Agreement(Evaluation):
 
 
 class OwnSet(Evaluation):
-    """Three traversals of one route; dusk shows exactly what dawn shows."""
+    """Three traversals of one route; dusk has the same pictures as dawn."""
 
     def setUp(self):
         super().setUp()
@@ -241,7 +241,7 @@ class Results(OwnSet):
 
     def test_the_second_run_takes_everything_from_the_cache(self):
         first, second = self.evaluate(self.dataset), self.evaluate(self.dataset)
-        # dusk shows what dawn shows: the same content runs once.
+        # dusk has the same content as dawn, which runs only once.
         self.assertLess(first["computed"], 25)
         self.assertEqual((second["computed"], second["cached"]), (0, 36))
         for result in (first, second):
@@ -289,7 +289,7 @@ class Results(OwnSet):
         self.assertEqual(first["distance"], second["distance"])
         self.assertTrue(list(self.cache.glob("*/*.taps")))
 
-    def test_an_interrupted_run_goes_on_where_it_was(self):
+    def test_an_interrupted_run_continues_where_it_stopped(self):
         with open(self.dataset / "dawn/labels.csv", "a") as labels:
             for i in range(12, 400):
                 write_picture(self.dataset / f"dawn/{i:03}.ppm", 1000 + i)
@@ -391,7 +391,7 @@ class Taps(OwnSet):
                 self.assertEqual(per_tap[1], per_tap[2])
                 self.assertAlmostEqual(value, sum(per_tap) / 3, delta=1e-9)
 
-    def test_a_tap_by_itself_has_the_distance_that_it_has_among_all(self):
+    def test_a_tap_has_the_same_distance_alone_and_among_all(self):
         every = self.evaluate(self.dataset, "--backbone", self.manifest, "--ablate", "tap")
         one = self.evaluate(self.dataset, "--backbone", self.manifest, "--taps", "map")
         self.assertEqual(one["distance"]["vdna"], every["distance"]["vdna:map"])
@@ -472,7 +472,7 @@ class DataSets(Evaluation):
         self.assertEqual(np.load(self.folder / "npy/place_a.npy").tolist(), [20, 10, 0])
         self.assertEqual(result["counts"]["a"]["b"]["unreachable"], 1)
 
-    def test_what_is_no_data_set_is_refused(self):
+    def test_a_folder_that_is_no_data_set_is_refused(self):
         self.pictures(self.folder / "set/a", ["0.ppm"])
         self.assertIn("set --format", self.refused(self.folder / "set"))
         self.assertIn("not a directory", self.refused(self.folder / "nowhere"))

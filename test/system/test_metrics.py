@@ -1,7 +1,7 @@
-"""`vdna metrics` on the tables that the paper prints: its ranking errors must come out again.
+"""`vdna metrics` on the tables of the paper must reproduce its ranking errors.
 
-The tables of Nordland test:2 and test:1 are the paper's. Of University Parks it prints the recalls
-and the errors, but no distances: there an order that gives the printed error is entered as ranks.
+The tables of Nordland test:2 and test:1 are the paper's. For University Parks it prints recalls and
+errors, but no distances: there, the test enters an order that gives the printed error, as ranks.
 """
 
 import json
@@ -44,7 +44,7 @@ def swap_once(recall, order):
 
 
 def partitioned(*tables):
-    """Several tables as one: names become "test:N/NAME"."""
+    """Merge several tables: names become "test:N/NAME"."""
     def renamed(rows, n):
         return {f"test:{n}/{query}": {f"test:{n}/{name}" if name != "all" else name: value
                                       for name, value in row.items()}
@@ -85,7 +85,7 @@ class Metrics(unittest.TestCase):
         self.assertAlmostEqual(errors["pixel"], 5.867, delta=5e-4)
         self.assertAlmostEqual(errors["random"], 13.562, delta=1e-3)
 
-    def test_every_metric_of_the_issue_is_told_for_every_method(self):
+    def test_every_metric_of_the_issue_is_reported_for_every_method(self):
         for method, values in self.metrics(TEST_2).items():
             for name in ("ranking_error_swap_once", "ranking_error_half_l1", "regret",
                          "kendall_tau"):
@@ -135,7 +135,7 @@ class Metrics(unittest.TestCase):
         fewer = json.loads(json.dumps(TEST_2))
         del fewer["distance"]["fd"]["winter"]["fall"]
         fewer["distance"]["fd"]["spring"] = {"fall": 1, "summer": None, "winter": 2}
-        # Winter's swap is gone: 3 + 2 + 3 + 2 pairs and no error are left.
+        # Without Winter's swap, 3 + 2 + 3 + 2 pairs and no error remain.
         self.assertEqual(self.errors(fewer)["fd"], 0)
         self.assertAlmostEqual(self.errors(fewer)["pixel"], 5.867, delta=5e-4)
 
@@ -156,7 +156,7 @@ class Metrics(unittest.TestCase):
         self.assertIn("distance.fd: has no query and reference in common",
                       self.refused('{"recall": {"a": {"b": 1}}, "distance": {"fd": {}}}'))
 
-    def test_what_is_not_json_or_not_a_table_is_refused(self):
+    def test_a_file_that_is_not_json_or_not_a_table_is_refused(self):
         self.assertIn("not JSON at byte 2", self.refused("{"))
         for text in ("", "[]", "null", '{"recall": {}, "distance": {}}',
                      '{"recall": {"a\\nb": 1}, "distance": {}}',

@@ -1,9 +1,9 @@
 """Precisions of a network: they never mix, `vdna model check` compares them, models/quantise.py
 makes them.
 
-A network with three more bytes of documentation in its ONNX file computes the same and is another
-model, so with "int8" in its manifest it stands for one. Networks that really are int8 are made where
-the quantiser's Python packages can be installed; elsewhere those tests are skipped.
+Three more bytes of documentation in its ONNX file make a network another model with the same
+results; with "int8" in its manifest it stands in for an int8 network. Real int8 networks are made
+if the quantiser's Python packages can be installed; otherwise those tests are skipped.
 """
 import hashlib
 import json
@@ -46,7 +46,7 @@ def check(first, second, pictures=RUNS):
 
 
 def evaluation(network):
-    """What `vdna eval` says, and the embeddings of all frames."""
+    """The result of `vdna eval`, and the embeddings of all frames."""
     folder = FOLDER / f"npy_{Path(network).stem}"
     vdna("eval", RUNS, "--backbone", network, "--cache", CACHE, "--npy", folder,
          "--json", folder.with_suffix(".json"))
@@ -56,7 +56,7 @@ def evaluation(network):
 
 
 def stand_in(name="stand_in", precision="int8", more=""):
-    """The default network as another model, and what its manifest says of itself."""
+    """The default network as another model, with this precision in its manifest."""
     data = (MODELS / f"{NAME}.onnx").read_bytes() + b"\x32\x01" + precision[:1].encode()
     model, manifest = FOLDER / f"{name}.onnx", FOLDER / f"{name}.toml"
     model.write_bytes(data)
@@ -128,7 +128,7 @@ class OtherPrecision(unittest.TestCase):
 
 
 class Taps(unittest.TestCase):
-    def test_that_the_model_does_not_have_are_told_by_the_daemon_before_it_is_ready(self):
+    def test_missing_from_the_model_are_reported_by_the_daemon_before_it_is_ready(self):
         manifest = stand_in("untapped", "fp32")
         manifest.write_text(manifest.read_text().replace('[[taps]]\noutput = "embedding"',
                                                          '[[taps]]\noutput = "block99"'))
@@ -147,7 +147,7 @@ class Check(unittest.TestCase):
         self.assertEqual([query["swaps"] for query in found["queries"]], [0, 0, 0])
         self.assertEqual(*found["recall_percent"])
 
-    def test_a_folder_of_pictures_tells_of_embeddings_only(self):
+    def test_a_folder_of_pictures_compares_embeddings_only(self):
         found = check(NAME, stand_in("twin", "fp32"), RUNS / "night")
         self.assertEqual(found["pictures"], FRAMES)
         self.assertNotIn("queries", found)
@@ -251,7 +251,7 @@ class Quantised(unittest.TestCase):
         self.assertLess(found["embedding_l2_percent"]["median"], 5)
         self.assertGreater(found["embedding_l2_percent"]["median"], 0)
 
-    def test_what_cannot_be_quantised_is_told(self):
+    def test_a_network_that_cannot_be_quantised_is_refused(self):
         for manifest, options, sentence in (
                 (MODELS / f"{NAME}.toml", (), "name pictures with --pictures"),
                 (self.int8, (), "is int8, expected the fp32 network"),

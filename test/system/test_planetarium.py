@@ -1,14 +1,14 @@
 """Acceptance on real pictures: twelve months of a park, each in turn against the eleven others.
 
-The map is made of the other months only, its ranges included. The month's first 42 frames are
-ranked twice, by `vdna rank` and by vdna_selectord as a live camera over LCM; both must say the
-same. How good the ranking is, is judged by the recalls that `vdna localise` finds: ranking error
-(mean over the ranks of |R_true - R_predicted|) and regret of the first choice, with recalls over
-all frames of the month, as in the NumPy computation that gave 3.9 % and 1.3 % (chance: 18.2 % and
-33.5 %). The same over the frames after the warmup only, which is what the robot will meet, is
-printed beside it, and its regret has the same limit.
+The map, including its ranges, is built from the other months only. The month's first 42 frames are
+ranked twice, by `vdna rank` and by vdna_selectord as a live camera over LCM; both must agree. The
+recalls of `vdna localise` judge the ranking: ranking error (mean over the ranks of
+|R_true - R_predicted|) and regret of the first choice, with recalls over all frames of the month,
+as in the NumPy computation that gave 3.9 % and 1.3 % (chance: 18.2 % and 33.5 %). The test also
+prints both over the frames after the warmup, as the robot will meet them; that regret has the same
+limit.
 
-Skipped where the pictures, which may not be published, are not at VDNA_SHARED.
+The pictures may not be published; the test is skipped if VDNA_SHARED does not have them.
 """
 import os
 import sys
@@ -30,9 +30,9 @@ LABELS = PICTURES / "manifest.csv"
 
 
 def daemon_says(live, road_map):
-    """What the daemon says to the first frames of a month.
+    """The daemon's messages for the first frames of a month.
 
-    On a busy machine it may pass over frames, as it is meant to; then they come again, slower.
+    On a busy machine the daemon may skip frames, as designed; then they are sent again, slower.
     """
     for rate in RATES:
         with Watch() as watch, Selectord("--map", road_map, "--warmup-frames", WARMUP):
@@ -41,11 +41,11 @@ def daemon_says(live, road_map):
                                     s["processed"] + s["skipped"] == s["received"])
         if status["skipped"] == 0:
             return watch
-    raise AssertionError(f"{live.name}: frames were passed over even at {RATES[-1]} Hz")
+    raise AssertionError(f"{live.name}: frames were skipped even at {RATES[-1]} Hz")
 
 
 def faults_of(said, ranking):
-    """How the daemon's words differ from the ranking of `vdna rank`, as texts."""
+    """Differences between the daemon's messages and the ranking of `vdna rank`, as texts."""
     rankings = [message["ranking"] for message in said.of("ranking")]
     rankings = [[(e["experience"], e["distance_bins"]) for e in r] for r in rankings]
     validities = [message["validity"] for message in said.of("localisation")]
@@ -58,7 +58,7 @@ def faults_of(said, ranking):
 
 
 def judge(recall, order):
-    """Ranking error and regret, in percent, of this order of the experiences."""
+    """Ranking error and regret of this order of the experiences, in percent."""
     predicted = [recall[name] for name in order]
     true = sorted(predicted, reverse=True)
     error = sum(abs(t - p) for t, p in zip(true, predicted)) / len(true)
@@ -66,13 +66,13 @@ def judge(recall, order):
 
 
 def recalls(candidates, first):
-    """Recall@1 in percent of each experience over the live frames from number `first` on."""
+    """Recall@1 of each experience over the live frames from number `first` on, in percent."""
     return {c["experience"]: 100 * sum(m["good"] for m in c["matches"][first:]) /
             len(c["matches"][first:]) for c in candidates}
 
 
 def examine(live, others, road_map):
-    """Errors and regrets of one month, over all frames and after the warmup, and its faults."""
+    """Errors and regrets of one month, over all frames and after the warmup, and faults."""
     vdna("build", road_map, *others, "--labels", LABELS)
     ranking = [(entry["experience"], entry["distance_bins"]) for entry in
                vdna_json("rank", live, road_map, "--warmup", WARMUP)["ranking"]]

@@ -1,8 +1,8 @@
-"""The same drive as a folder of pictures, as a log of camera messages and live over LCM gives the same
-Visual DNA, bit for bit, whatever kind of files the pictures are.
+"""One drive as a folder of pictures, as a log of camera messages and live over LCM gives the same
+Visual DNA, bit for bit, for every kind of picture file.
 
-The network is that of test/support, whose activations are the pixels themselves: neurons are the left
-and the right half of a picture, so one that was turned on its way would be another.
+The network is that of test/support, whose activations are the pixels themselves: its neurons are
+the left and the right half of a picture, so a rotated picture would give other activations.
 """
 import contextlib
 import hashlib
@@ -23,7 +23,7 @@ NETWORK = os.path.join(WORK, "tiny.toml")
 CONDITIONS = ["summer", "winter", "night"]
 KINDS = ["jpg", "png", "tiff", "webp"]
 FRAMES = 12
-SIZE = "160x110"  # as BGR pixels it fits one datagram
+SIZE = "160x110"  # fits one datagram as BGR pixels
 RATES = (20, 5, 2)  # Hz
 
 MANIFEST = """name = "tiny"
@@ -72,7 +72,7 @@ def write_network():
 
 
 def with_exif(kind, data):
-    """A picture file whose EXIF asks viewers to turn it, where the kind has such a thing."""
+    """A picture file with an EXIF rotation, if the kind supports EXIF."""
     if kind == "jpg":
         segment = b"Exif\0\0" + TURNED
         return data[:2] + b"\xff\xe1" + struct.pack(">H", len(segment) + 2) + segment + data[2:]
@@ -89,8 +89,8 @@ def folder_of(kind):
 
 
 def convert(drive, kind):
-    """A drive's JPEG pictures as files of a kind. Their times are given, so that the rate at which
-    they are played does not change them."""
+    """Convert a drive's JPEG pictures to files of a kind. Labels give their times, so that these do
+    not depend on the rate at which they are played."""
     folder = folder_of(kind)
     os.makedirs(folder)
     labels = ["file,utime"]
@@ -104,7 +104,7 @@ def convert(drive, kind):
 
 
 def prepare():
-    """Three traversals as a map, and a further drive as pictures of each kind."""
+    """Three traversals as a map, and another drive as pictures of each kind."""
     if os.path.exists(MAP):
         return
     shutil.rmtree(WORK, ignore_errors=True)
@@ -122,7 +122,7 @@ def prepare():
 
 
 def build(kind, source):
-    """The bytes of the experience file that a source becomes."""
+    """The bytes of the experience file built from a source."""
     folder = os.path.join(WORK, kind, "built")
     vdna("build", folder, "--backbone", NETWORK, "--name", "live", "--force", "--ranges",
          os.path.join(MAP, "summer.vdna"), source)
@@ -130,13 +130,13 @@ def build(kind, source):
 
 
 def distances(ranking):
-    """Experiences and distances in bins, of a message or of what `vdna rank` says."""
+    """Experiences and distances in bins, from a message or the result of `vdna rank`."""
     return [(entry["experience"], entry["distance_bins"]) for entry in ranking]
 
 
 @contextlib.contextmanager
 def logger(path):
-    """lcm-logger, which writes all messages on the camera's channel; listening when it is entered."""
+    """lcm-logger, which records the camera's channel; it listens once this is entered."""
     with contextlib.suppress(FileNotFoundError):
         os.unlink(path)
     process = subprocess.Popen(["lcm-logger", "--channel=CAMERA", "--force", path],
@@ -154,7 +154,7 @@ def logger(path):
 
 
 def joins_multicast(pid):
-    """Does a process hold a UDP socket at LCM's port?"""
+    """True if a process has a UDP socket at LCM's port."""
     with open("/proc/net/udp", encoding="ascii") as file:
         sockets = {line.split()[9] for line in file if ":1DF3 " in line}  # 7667
     try:
@@ -169,7 +169,7 @@ class SamePixels(WithConfiguration):
     work = WORK
 
     def play(self, kind, log):
-        """What a fresh daemon ranks of a folder that is played to it, while it is logged."""
+        """The ranking of a fresh daemon for a folder that is played to it and logged."""
         for rate in RATES:
             with Watch() as watch, Selectord("--map", MAP, "--backbone", NETWORK,
                                              "--warmup-frames", FRAMES), logger(log):
@@ -178,7 +178,7 @@ class SamePixels(WithConfiguration):
             if status["skipped"] == 0:
                 self.assertEqual((status["refused"], status["rejected"]), (0, 0))
                 return watch.of("ranking")[0]["ranking"]
-        raise AssertionError(f"frames were passed over even at {RATES[-1]} Hz")
+        raise AssertionError(f"frames were skipped even at {RATES[-1]} Hz")
 
     def check(self, kind):
         folder, log = folder_of(kind), os.path.join(WORK, f"{kind}.lcm")

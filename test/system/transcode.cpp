@@ -1,4 +1,4 @@
-// transcode FROM TO: one picture file as another kind, told by its ending.
+// transcode FROM TO: converts a picture file to the kind that the extension of TO names.
 #include <cstdio>
 
 #include <opencv2/imgcodecs.hpp>

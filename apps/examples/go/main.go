@@ -1,5 +1,5 @@
-// rank: which of three drives looks most like now, and where in it are we? As ../rank.c, and it
-// prints the same bytes.
+// rank: which of three drives looks most like now, and where in it are we? Same program as
+// ../rank.c, with the same output.
 //
 //	go run .    # libvdna not installed: with CGO_CFLAGS=-I..., CGO_LDFLAGS=-L..., LD_LIBRARY_PATH
 package main
@@ -19,7 +19,7 @@ const (
 	bins    = 1000
 )
 
-// drive is a made-up one: its activations lie in shift..shift + 1.
+// drive is synthetic: its activations lie in shift..shift + 1.
 type drive struct {
 	name  string
 	seed  uint32

@@ -1,5 +1,5 @@
-"""rank: which of three drives looks most like now, and where in it are we? As ../rank.c, and it
-prints the same bytes.
+"""rank: which of three drives looks most like now, and where in it are we? Same program as
+../rank.c, with the same output.
 
 pip install lib/python; python3 rank.py
 """
@@ -9,7 +9,7 @@ import numpy as np
 import libvdna
 
 NEURONS, SAMPLES, FRAMES, WARMUP = 8, 4, 50, 40
-# Made-up drives: a seed, and the least activation. Each lies in shift..shift + 1.
+# Synthetic drives: a seed and a shift; activations lie in shift..shift + 1.
 CANDIDATES = {"spring": (1, 0.0), "summer": (2, 0.25), "winter": (3, 0.75)}
 NOW = (4, 0.3125)
 
@@ -34,7 +34,7 @@ def count(drive, table):
 
 
 def experience(drive, table):
-    """What the selector needs of a drive. The embedding of a frame is here just its first sample."""
+    """A drive for the selector. Here the embedding of a frame is just its first sample."""
     embeddings = np.array([values[0] for values in frames_of(drive)])
     return libvdna.Candidate(count(drive, table), embeddings)
 

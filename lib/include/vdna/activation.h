@@ -31,7 +31,7 @@ typedef struct vdna_activations {
 /** Check the taps of one frame: fields valid, `neurons` in total, every value finite.
  *  @param taps     [tap_count]; their neurons follow one another in the histogram
  *  @param tap_count  >= 1
- *  @param neurons  what the neurons of all taps must add up to
+ *  @param neurons  required sum of the neurons of all taps
  *  @return VDNA_OK; VDNA_ERR_ARG for a bad field; VDNA_ERR_MISMATCH if the neurons do not add up;
  *          VDNA_ERR_NONFINITE if a value is NaN or infinite */
 VDNA_API vdna_status vdna_activations_check(const vdna_activations *taps, size_t tap_count,

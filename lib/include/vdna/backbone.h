@@ -41,7 +41,7 @@ typedef struct vdna_backbone_config {
                                within it are relative to it), or the bare name of one in
                                $VDNA_MODELS, the running program's installation (share/vdna/models
                                beside its bin) or /usr/share/vdna/models. A path with a '/' that
-                               ends in ".so" is a plug-in */
+                               ends in ".so" is a plug-in. */
     const char *runtime;  /**< path of libonnxruntime.so; NULL = $VDNA_ONNXRUNTIME, then that of
                                the running program's installation (lib/vdna beside its bin), then
                                the system's (default) */

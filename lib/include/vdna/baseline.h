@@ -1,5 +1,5 @@
 /** @file vdna/baseline.h
- *  @brief What Visual DNA is compared with, and how rankings are judged.
+ *  @brief Baselines for Visual DNA, and metrics of rankings.
  *
  *  Baselines: Frechet distance of embeddings, pixel intensity, chance. Metrics: how much recall a
  *  predicted ranking loses against the true one. Definitions: docs/internals/DESIGN.md, Metrics.
@@ -33,8 +33,8 @@ VDNA_API vdna_status vdna_intensity(const float *a, uint32_t frames_a, const flo
                                     uint32_t frames_b, double *out_distance);
 
 /** Recalls, and the distances that should predict them, of every query against every reference.
- *  A recall that is NaN says that this query was not localised against this reference (usually
- *  because it is the query itself); such pairs take no part. */
+ *  A NaN recall marks a query that was not localised against this reference, usually because it is
+ *  the query itself; such pairs are left out. */
 typedef struct vdna_ranking_table {
     const double *recall;   /**< [queries][references], percent, higher is better */
     const double *distance; /**< [queries][references], lower is nearer; NULL = random ranking: each
@@ -62,7 +62,7 @@ typedef struct vdna_ranking_metrics {
 
 /** Judge a table of distances against a table of recalls. Ties in either order are broken by the
  *  order of the references, as vdna_rank_sort() does.
- *  @param table        distances finite where there is a recall
+ *  @param table        finite distances wherever there is a recall
  *  @param out_metrics  each in its own unit
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NONFINITE if a pair with a recall has no finite
  * distance; VDNA_ERR_EMPTY if there is no pair at all; VDNA_ERR_NOMEM */

@@ -18,7 +18,7 @@
 extern "C" {
 #endif
 
-/** Bytes of working memory. The block may be used again for any call.
+/** Bytes of working memory. The block may be reused for any call.
  *  @param neurons  of the histograms to compare
  *  @return bytes; 0 if `neurons` is 0 or too many to address */
 VDNA_API size_t vdna_emd_scratch_size(uint32_t neurons);

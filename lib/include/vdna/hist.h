@@ -45,8 +45,8 @@ typedef struct vdna_hist {
     uint32_t frames;     /**< frames added, less frames subtracted */
 } vdna_hist;
 
-/** A histogram to read: of a vdna_hist, of a mapped experience file, of the caller's own making.
- *  All pointers are borrowed. */
+/** A histogram to read, from a vdna_hist, a mapped experience file or the caller. All pointers are
+ *  borrowed. */
 typedef struct vdna_hist_view {
     const float *range;     /**< [neurons][2] */
     const uint32_t *counts; /**< [bins][neurons] */
@@ -60,7 +60,7 @@ typedef struct vdna_hist_view {
 VDNA_API void vdna_hist_config_init(vdna_hist_config *config);
 
 /** Bytes that vdna_hist_init() needs.
- *  @param config  its range is not looked at
+ *  @param config  its range is ignored
  *  @return bytes; 0 if neurons or bins are out of range or too many to address */
 VDNA_API size_t vdna_hist_mem_size(const vdna_hist_config *config);
 
@@ -103,8 +103,8 @@ VDNA_API void vdna_hist_reset(vdna_hist *hist);
  *  @param out_view  untouched if an argument is NULL */
 VDNA_API void vdna_hist_view_of(const vdna_hist *hist, vdna_hist_view *out_view);
 
-/** Check that two histograms compare: distances between them mean something.
- *  @param p, q  read whole but for the counts
+/** Check that two histograms compare, so that their distance means something.
+ *  @param p, q  read in full except for the counts
  *  @return VDNA_OK; VDNA_ERR_ARG if a view is not valid (a NULL, neurons or bins out of range);
  *          VDNA_ERR_MISMATCH if shapes or range values differ; VDNA_ERR_EMPTY if a neuron of
  *          either has no samples */

@@ -11,7 +11,7 @@
 #define VDNA_FOURCC(a, b, c, d) \
     ((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
 
-#define VDNA_PIXEL_ENCODED 0u /**< a file, told by its first bytes; size from within */
+#define VDNA_PIXEL_ENCODED 0u /**< a file; its contents give kind and size */
 #define VDNA_PIXEL_MJPG VDNA_FOURCC('M', 'J', 'P', 'G') /**< one JPEG picture */
 #define VDNA_PIXEL_GREY VDNA_FOURCC('G', 'R', 'E', 'Y') /**< 8-bit grey */
 #define VDNA_PIXEL_RGB3 VDNA_FOURCC('R', 'G', 'B', '3') /**< 24-bit R, G, B */
@@ -30,7 +30,7 @@
  */
 #define VDNA_IMAGE_PIXELS_MAX 67108864u
 
-/** One picture. Nothing in it is trusted: whoever decodes it checks every field. */
+/** One picture. Nothing in it is trusted: the decoder checks every field. */
 typedef struct vdna_image {
     const uint8_t *data;  /**< borrowed */
     size_t size;          /**< bytes of data */

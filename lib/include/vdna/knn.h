@@ -3,10 +3,10 @@
  *         experience.
  *
  *  Definition: the paper localises a frame at the nearest embedding by Euclidean distance. Its
- *  square has the same order and needs no root. It is summed in single precision, as embeddings
- *  come, from the squared differences and always in the same order: the same bits on every
- *  machine, and within (dim / 16 + 21) * 2^-24 of the exact square. The time of that does not
- *  depend on the data; what does is putting a row in its place among the k nearest so far.
+ *  square has the same order and needs no root. The squared differences are summed in single
+ *  precision, that of embeddings, and always in the same order: the result has the same bits on
+ *  every machine and is within (dim / 16 + 21) * 2^-24 of the exact square. The time of the sum
+ *  does not depend on the data; that of inserting a row among the k nearest so far does.
  */
 #ifndef VDNA_KNN_H
 #define VDNA_KNN_H
@@ -28,7 +28,7 @@ typedef struct vdna_knn_match {
 
 /** Find the `k` map rows nearest to `query`, nearest first; equal distances by lower index.
  *  @param query        [dim], finite
- *  @param map          [rows][dim], finite; of differences below 1e-19 squares lose precision
+ *  @param map          [rows][dim], finite; squares of differences below 1e-19 lose precision
  *  @param dim, rows, k >= 1
  *  @param out_matches  [min(k, rows)] written
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NONFINITE if a square is not finite (differences above

@@ -1,6 +1,6 @@
 /** @file vdna/listener.h
- *  @brief Listening to our LCM messages: every message of the channels that are named, checked and
- *         decoded. For programs that show, record or judge what others say.
+ *  @brief A listener for our LCM messages: every message on the named channels, checked and
+ *         decoded. For programs that show, record or judge messages.
  *
  *  vdna/transport.h is the daemon's side, which keeps only the newest camera frame. A listener
  * skips nothing as long as its queue is long enough.
@@ -30,12 +30,11 @@ typedef struct vdna_listener_channel {
 /** How to listen. Fill with vdna_listener_config_init(), then set the channels. */
 typedef struct vdna_listener_config {
     uint32_t struct_size;  /**< bytes of this struct, set by vdna_listener_config_init() */
-    uint32_t queue_length; /**< messages that LCM keeps for each channel, 1..65536; when they are
-                                not taken in time, it drops the newest; default
-                                VDNA_LISTENER_QUEUE */
+    uint32_t queue_length; /**< messages that LCM keeps for each channel, 1..65536; a full queue
+                                drops the newest; default VDNA_LISTENER_QUEUE */
     const char *url; /**< LCM URL; NULL or "" = $LCM_DEFAULT_URL, else LCM's default (default) */
-    const vdna_listener_channel *channels; /**< [channel_count], copied; default NULL. One name may
-                                                be there with several types */
+    const vdna_listener_channel *channels; /**< [channel_count], copied; default NULL. A name may
+                                                appear with several types */
     uint32_t channel_count;                /**< 0..256; default 0 */
     uint32_t reserved;                     /**< 0 */
 } vdna_listener_config;
@@ -46,7 +45,8 @@ typedef struct vdna_listener_message {
     const vdna_message_type *type; /**< of its channel; NULL = none came */
     const char *channel;           /**< its name */
     const void *data;     /**< the struct that lcm-gen declares for `type`; NULL = rejected */
-    const char *rejected; /**< why there is no data, without a trailing period; NULL = there is */
+    const char *rejected; /**< why there is no data, without a trailing period; NULL if there is
+                               data */
     size_t size;          /**< bytes on the wire */
     int64_t received_us;  /**< CLOCK_MONOTONIC when LCM took it off the socket; for logs, when it
                                was read */
@@ -64,7 +64,7 @@ VDNA_API void vdna_listener_config_init(vdna_listener_config *config);
 VDNA_API vdna_status vdna_listener_open(const vdna_listener_config *config, vdna_error *error,
                                         vdna_listener **out_listener);
 
-/** Take the next message, and wait for it if none is there.
+/** Take the next message; wait if there is none.
  *  @param listener    an open one
  *  @param timeout_ms  0 = do not wait, at most VDNA_TIMEOUT_MS_MAX
  *  @param out_message filled; its type is NULL if nothing came in time or a signal interrupted

@@ -21,8 +21,9 @@ extern "C" {
 /** One experience. Reading fills it; to write one, fill it and call vdna_experience_write(). */
 typedef struct vdna_experience {
     char name[VDNA_NAME_SIZE];         /**< of the traversal: "winter"; passes vdna_name_check() */
-    vdna_identity identity;            /**< what it compares with; in an experience all of it is
-                                            known. `range` is of the file, or of whoever fills it */
+    vdna_identity identity;            /**< what it compares with; complete in an experience.
+                                            `range` belongs to the file, or to the code that fills
+                                            this */
     char comparable[VDNA_SHA256_SIZE]; /**< vdna_identity_hash(); the writer computes it */
     uint32_t frames;                   /**< >= 1 */
     const uint32_t *counts;            /**< [bins][neurons] */
@@ -33,8 +34,8 @@ typedef struct vdna_experience {
     const double *frame_position; /**< [frames][3], metres in one Cartesian frame shared by the
                                        map (ECEF if made from GPS); NULL = no positions */
     const float *frame_grey;      /**< [frames], mean grey level 0..255 */
-    const void *file_bytes;       /**< [file_size], the whole file as it is mapped; NULL = not from
-                                       a file. Read it, never write it: closing unmaps it */
+    const void *file_bytes;       /**< [file_size], the whole mapped file, read-only; NULL = not
+                                       from a file. Closing unmaps it */
     size_t file_size;             /**< bytes; 0 = not from a file */
 } vdna_experience;
 
@@ -54,13 +55,14 @@ VDNA_API vdna_status vdna_experience_open(const char *path, vdna_error *error,
 VDNA_API void vdna_experience_close(vdna_experience *experience);
 
 /** Write an experience: temporary file beside `path`, fsync, rename, fsync of the directory. An
- *  interrupted call leaves `path` as it was. `comparable` is computed, not read.
+ *  interrupted call leaves `path` as it was. `comparable` is computed, not read. If an update of
+ *  the directory was interrupted when it was final, it is finished first (vdna_map_update_open()).
  *  @param experience  needed for this call only
  *  @param path  replaced if it exists
  *  @param error  filled on failure; NULL = not wanted
  *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_NONFINITE or VDNA_ERR_MISMATCH (mass and counts) for an
  *          experience that breaks the rules above; VDNA_ERR_IO; VDNA_ERR_UNSUPPORTED on a
- *          big-endian machine */
+ *          big-endian machine; VDNA_ERR_FORMAT for a damaged record of an interrupted update */
 VDNA_API vdna_status vdna_experience_write(const vdna_experience *experience, const char *path,
                                            vdna_error *error);
 
@@ -79,51 +81,55 @@ VDNA_API vdna_status vdna_experience_compare(const vdna_experience *a, const vdn
 VDNA_API void vdna_experience_view(const vdna_experience *experience, vdna_hist_view *out_view);
 
 /** Count the experience files of a directory: names ending in VDNA_MAP_EXTENSION, hidden ones (a
- *  leading '.') left out.
+ *  leading '.') left out. An update of the map counts as a whole or not at all.
  *  @param directory  a path
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_count  0 for a directory without any
- *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO */
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NOMEM; VDNA_ERR_IO, also if the directory changes all
+ *          the time; VDNA_ERR_FORMAT for a damaged record of an interrupted update */
 VDNA_API vdna_status vdna_map_count(const char *directory, vdna_error *error, uint32_t *out_count);
 
 /** One experience file of a map. */
 typedef struct vdna_map_file {
     char name[VDNA_MAP_FILE_SIZE]; /**< "winter.vdna" */
-    char file[VDNA_MAP_FILE_SIZE]; /**< where its bytes are in the directory: the same, unless an
-                                      update was interrupted between being final and giving all new
-                                      files their names; the next update goes on with that */
+    char file[VDNA_MAP_FILE_SIZE]; /**< file with its bytes: the same name, unless an update was
+                                        interrupted after becoming final and before all new files
+                                        had their names; the next update finishes that */
 } vdna_map_file;
 
-/** List the experience files of a directory in the byte order of their names.
+/** List the experience files of a directory in the byte order of their names, as they were at one
+ *  moment. An update may rename them before you open them: vdna_map_open() gets all of one moment.
  *  @param directory  a path
  *  @param capacity  the most that `out_files` can hold
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_files  [capacity], of which *out_count are filled
  *  @param out_count  0 for a directory without any
- *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_NOMEM if there are more than `capacity`;
- *          VDNA_ERR_FORMAT for a damaged record of an interrupted update */
+ *  @return VDNA_OK; VDNA_ERR_NOMEM if there are more than `capacity`; what vdna_map_count() returns
+ */
 VDNA_API vdna_status vdna_map_list(const char *directory, uint32_t capacity, vdna_error *error,
                                    vdna_map_file *out_files, uint32_t *out_count);
 
 /** Open all experiences of a map, in the byte order of their file names, and check that they
- *  compare and that their names differ.
+ *  compare and that their names differ. All are of one moment: an update that others commit
+ *  meanwhile is in all of them or in none.
  *  @param directory  a path
  *  @param capacity  the most that `out_experiences` can hold
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_experiences  [capacity]; the first *out_count are open after VDNA_OK, none after an
  *                          error
- *  @param out_count  how many that are
+ *  @param out_count  number of open experiences
  *  @return VDNA_OK; VDNA_ERR_EMPTY if there is none; VDNA_ERR_NOMEM if there are more than
- *          `capacity`; what vdna_experience_open() and vdna_experience_compare() return */
+ *          `capacity` (an update may have added some since they were counted); what vdna_map_count(), vdna_experience_open() and vdna_experience_compare()
+ *          return */
 VDNA_API vdna_status vdna_map_open(const char *directory, uint32_t capacity, vdna_error *error,
                                    vdna_experience *out_experiences, uint32_t *out_count);
 
 /** A change of a map: experience files that appear, or replace others, together or not at all. One
- *  thread at a time. */
+ *  thread at a time. It keeps to the directory that was opened, whatever becomes of its path. */
 typedef struct vdna_map_update vdna_map_update;
 
-/** Begin to change a map. Nobody else can until it is closed or the process ends. First finishes an
- *  update that was interrupted when it was final, and removes what others left behind.
+/** Begin an update of a map. Nobody else can until it is closed or the process ends. First finishes
+ *  an update that was interrupted after becoming final, and removes leftovers.
  *  @param directory  a path, which exists
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_update  the caller's, to be ended with vdna_map_update_close()
@@ -133,22 +139,25 @@ VDNA_API vdna_status vdna_map_update_open(const char *directory, vdna_error *err
                                           vdna_map_update **out_update);
 
 /** Write an experience beside the map's files; vdna_map_update_commit() makes it NAME.vdna.
- *  @param update  an open one; unchanged after an error
- *  @param experience  as for vdna_experience_write(); needed for this call only
+ *  @param update  an open one that is not committed; unchanged after an error
+ *  @param experience  as for vdna_experience_write(); needed for this call only; its name may not
+ *                     begin with '.', which would hide its file
  *  @param error  filled on failure; NULL = not wanted
- *  @return VDNA_OK; VDNA_ERR_NOMEM; what vdna_experience_write() returns */
+ *  @return VDNA_OK; VDNA_ERR_ARG, also for more than 4096 experiences in one update;
+ *          VDNA_ERR_NOMEM; what vdna_experience_write() returns */
 VDNA_API vdna_status vdna_map_update_add(vdna_map_update *update, const vdna_experience *experience,
                                          vdna_error *error);
 
 /** Put all that was added in its place. Readers, and a machine that loses its power at any moment,
  *  find all of it or nothing (docs/reference/SPEC-map.md says how).
- *  @param update  an open one
+ *  @param update  an open one; if the error says that the map is unchanged, this may be repeated;
+ *                 otherwise the update is over, and only to be closed
  *  @param error  filled on failure: says whether the map is unchanged, or the update is final and
- * the next one finishes it; NULL = not wanted
- *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO */
+ *                the next one finishes it; NULL = not wanted
+ *  @return VDNA_OK; VDNA_ERR_ARG, also if one name was added twice; VDNA_ERR_NOMEM; VDNA_ERR_IO */
 VDNA_API vdna_status vdna_map_update_commit(vdna_map_update *update, vdna_error *error);
 
-/** End it; what was added and not committed is gone.
+/** End it; what was added and not committed is removed.
  *  @param update  NULL is allowed */
 VDNA_API void vdna_map_update_close(vdna_map_update *update);
 

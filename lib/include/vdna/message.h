@@ -3,7 +3,7 @@
  *
  *  The tables are generated at build time; <vdna_messages.h>, beside the structs that lcm-gen
  *  writes, declares them: `vdna_message_ranking` describes the struct vdna_msg_ranking_t. They are
- *  constant and live as long as the program, so everything in them is borrowed for ever.
+ *  constant and live as long as the program, so pointers into them never expire.
  */
 #ifndef VDNA_MESSAGE_H
 #define VDNA_MESSAGE_H
@@ -17,7 +17,7 @@ extern "C" {
 /** Most members that a message has. */
 #define VDNA_MESSAGE_MEMBERS_MAX 64u
 
-/** What one element of a member is: on the wire (big-endian, no padding), and in the C struct. */
+/** Type of one element of a member: on the wire (big-endian, no padding), and in the C struct. */
 enum {
     VDNA_MESSAGE_BOOLEAN = 0, /**< 1 byte; int8_t */
     VDNA_MESSAGE_BYTE = 1,    /**< 1 byte; uint8_t */
@@ -36,15 +36,15 @@ typedef struct vdna_message_type vdna_message_type;
 typedef struct vdna_message_member {
     const char *name; /**< as in the .lcm file */
     uint32_t kind;    /**< VDNA_MESSAGE_... */
-    uint32_t offset;  /**< bytes from the begin of the C struct */
-    uint32_t length;  /**< elements, which are in the C struct itself; 1 = no array; 0 = as many
-                           as `count_member` says, and the C struct has a pointer to them */
+    uint32_t offset;  /**< bytes from the beginning of the C struct */
+    uint32_t length;  /**< elements, inside the C struct itself; 1 = no array; 0 = `count_member`
+                           gives the number, and the C struct has a pointer to them */
     uint32_t count_member; /**< if length is 0: index of an earlier member, a COUNT; else 0 */
     const vdna_message_type *type; /**< of a STRUCT; else NULL */
 } vdna_message_member;
 
-/** The table of one type. Its functions are lcm-gen's, which trust what they are given: check bytes
- *  with vdna_transport_check() before decode(), and let vdna_transport_publish() call encode(). */
+/** The table of one type. Its functions are lcm-gen's and trust their input: check bytes with
+ *  vdna_transport_check() before decode(), and let vdna_transport_publish() call encode(). */
 struct vdna_message_type {
     const char *name;      /**< package and struct: "vdna_msg.ranking_t" */
     uint64_t fingerprint;  /**< the first 8 bytes on the wire; follows from the members */

@@ -1,9 +1,8 @@
 /** @file vdna/picture.h
  *  @brief Pictures as cameras send them, decoded to 8-bit pixels.
  *
- *  A network is given these pixels: vdna_backbone_run() decodes with the same code, so a program
- * that looks at a picture through this header sees what its Visual DNA was made of. The same bytes
- * give the same pixels on every processor.
+ *  vdna_backbone_run() decodes with the same code, so this header gives the very pixels that a
+ *  Visual DNA is made of. The same raw picture gives the same pixels on every processor.
  */
 #ifndef VDNA_PICTURE_H
 #define VDNA_PICTURE_H
@@ -18,10 +17,10 @@ extern "C" {
 /** Decodes one picture after the other into the same memory. One thread at a time. */
 typedef struct vdna_decoder vdna_decoder;
 
-/** Pixels of a decoded picture, 8 bits a channel, top row first. */
+/** Pixels of a decoded picture, 8 bits a channel, top row first. Whoever fills the struct says how
+ *  long `data` is borrowed. */
 typedef struct vdna_pixels {
-    const uint8_t *data; /**< first byte of the top row; borrowed, for how long is said by whoever
-                              fills the struct */
+    const uint8_t *data; /**< first byte of the top row; borrowed */
     size_t stride;       /**< bytes from row to row, >= width * channels */
     uint32_t width;      /**< pixels, 1..VDNA_IMAGE_SIDE_MAX */
     uint32_t height;     /**< pixels, 1..VDNA_IMAGE_SIDE_MAX */
@@ -29,8 +28,9 @@ typedef struct vdna_pixels {
     uint32_t rgb[3];     /**< which byte of a pixel is red, green, blue; all 0 for grey */
 } vdna_pixels;
 
-/** Open a decoder. It takes its memory for pixels now, as address space that is not resident before
- *  a picture needs it, and none later; libjpeg takes and gives back its own for each JPEG picture.
+/** Open a decoder. It allocates its memory for pixels now and none later; that memory is not
+ *  resident before a picture needs it. libjpeg allocates and frees its own for each JPEG
+ *  picture.
  *  @param max_pixels  largest width x height that is decoded, 1..VDNA_IMAGE_PIXELS_MAX
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_decoder  the caller's, to be closed with vdna_decoder_close()
@@ -42,8 +42,8 @@ VDNA_API vdna_status vdna_decoder_open(uint32_t max_pixels, vdna_error *error,
  *  @param decoder  NULL is allowed */
 VDNA_API void vdna_decoder_close(vdna_decoder *decoder);
 
-/** Most bytes that decoding one picture of at most `max_pixels` takes, pixels included, whatever
- * its format: progressive JPEG takes the most.
+/** Upper bound of the memory that decoding one picture takes, pixels included, in any format.
+ *  Progressive JPEG takes the most.
  *  @param max_pixels  as for vdna_decoder_open()
  *  @return bytes; 0 if max_pixels is out of its range */
 VDNA_API uint64_t vdna_decoder_bytes_max(uint32_t max_pixels);
@@ -54,16 +54,16 @@ VDNA_API uint64_t vdna_decoder_bytes_max(uint32_t max_pixels);
  *     row_stride, and the chroma rows of I420 have half of that stride;
  *   - YUV is BT.601 with 16..235, as cameras give it; JPEG is full range;
  *   - VDNA_PIXEL_ENCODED must hold a JPEG picture, as VDNA_PIXEL_MJPG does;
- *   - a JPEG picture is decoded completely or refused; an orientation in EXIF is not applied,
- * because a camera's frames have none.
+ *   - a JPEG picture is decoded completely or refused;
+ *   - an orientation in EXIF is not applied, because a camera's frames have none.
  *  @param decoder  an open one
  *  @param image  any content; checked in full before a byte of it is used
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_pixels  borrowed until the next call with this decoder, and from image->data for
  *                     formats that need no conversion
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_FORMAT if the picture is damaged or its fields
- * contradict one another; VDNA_ERR_UNSUPPORTED for an unknown pixel format, an encoded picture that
- * is no JPEG, or one with too many pixels; VDNA_ERR_NOMEM */
+ *          contradict one another; VDNA_ERR_UNSUPPORTED for an unknown pixel format, an encoded
+ *          picture that is no JPEG, or one with too many pixels; VDNA_ERR_NOMEM */
 VDNA_API vdna_status vdna_decoder_decode(vdna_decoder *decoder, const vdna_image *image,
                                          vdna_error *error, vdna_pixels *out_pixels);
 

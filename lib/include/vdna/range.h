@@ -1,10 +1,10 @@
 /** @file vdna/range.h
- *  @brief Ranges: where each neuron's histogram begins and ends.
+ *  @brief Ranges: the outer edges of each neuron's histogram.
  *
  *  A range table is `float[neurons][2]`, lo and hi of each neuron in activation units, exactly as
  *  the `range` tensor of an experience file. It is calibrated once from pictures of the map and
- *  shared by everything that is compared; a live frame never changes it. Where this departs from
- *  the reference package of Visual DNA, docs/internals/DESIGN.md says why.
+ *  shared by everything that is compared; a live frame never changes it. docs/internals/DESIGN.md
+ *  explains each departure from the reference package of Visual DNA.
  */
 #ifndef VDNA_RANGE_H
 #define VDNA_RANGE_H
@@ -24,7 +24,7 @@ enum {
     VDNA_RANGE_ABOUT_ZERO = 1
 };
 
-/** Factor that leaves a margin around what calibration saw. */
+/** Factor that leaves a margin around the values seen in calibration. */
 #define VDNA_RANGE_FACTOR 1.2f
 
 /** Check that every lo and hi is finite and lo < hi.

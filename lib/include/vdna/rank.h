@@ -1,7 +1,7 @@
 /** @file vdna/rank.h
  *  @brief Ranking of candidate experiences: nearest first, ties in the order of the map.
  *
- *  Definition: the paper ranks by ascending mean distance; it says nothing of ties.
+ *  Definition: the paper ranks by ascending mean distance; it does not mention ties.
  */
 #ifndef VDNA_RANK_H
 #define VDNA_RANK_H

@@ -3,7 +3,7 @@
  *
  *  States: WARMUP until the window is complete, then SELECTED until vdna_select_reset(). Frames
  *  and their times are arguments, so a replay gives the same answers at any speed. Every answer
- *  says what in it is valid; a frame that is refused changes nothing but a counter.
+ *  says which of its fields are valid; a refused frame changes nothing but a counter.
  *
  *  Definition: as in the paper, the live Visual DNA is that of the warmup window only, and a
  *  candidate's that of all its frames.
@@ -36,8 +36,8 @@ typedef struct vdna_select_candidate {
     uint32_t reserved;       /**< 0 */
 } vdna_select_candidate;
 
-/** What a selector needs. Fill with vdna_select_config_init(), then set candidates, dim and one
- *  of the two warmup lengths. */
+/** Configuration of a selector. Fill with vdna_select_config_init(), then set candidates, dim and
+ *  one of the two warmup lengths. */
 typedef struct vdna_select_config {
     uint32_t struct_size;     /**< bytes of this struct, set by vdna_select_config_init() */
     uint32_t candidate_count; /**< >= 1 */
@@ -56,12 +56,12 @@ typedef struct vdna_select_frame {
     const float *embedding;       /**< [dim] */
 } vdna_select_frame;
 
-/** What a frame led to. */
+/** Result of a frame. */
 typedef struct vdna_select_answer {
     uint32_t state;        /**< VDNA_SELECT_... after this frame */
     uint32_t newly_ranked; /**< 1 if this frame completed the warmup: see
                                 vdna_select_ranking() */
-    uint32_t restarted;    /**< 1 if camera time ran backwards, so that the warmup began anew */
+    uint32_t restarted;    /**< 1 if camera time ran backwards and the warmup began anew */
     uint32_t localised;    /**< 1 if `match` is valid */
     vdna_knn_match match;  /**< nearest frame of the chosen experience */
 } vdna_select_answer;
@@ -74,7 +74,7 @@ typedef struct vdna_select vdna_select;
 VDNA_API void vdna_select_config_init(vdna_select_config *config);
 
 /** Bytes that vdna_select_init() needs.
- *  @param config  complete; what candidates point to is not looked at
+ *  @param config  complete; data behind the candidates' pointers is ignored
  *  @return bytes; 0 if the config is invalid */
 VDNA_API size_t vdna_select_mem_size(const vdna_select_config *config);
 
@@ -90,9 +90,9 @@ VDNA_API vdna_status vdna_select_init(const vdna_select_config *config, void *me
                                       vdna_select **out_select);
 
 /** Take one live frame.
- *  In WARMUP it goes to the window, a first one of vdna/window.h. The frame that completes it is
- *  localised if it is not in it. In SELECTED every frame is localised. A stamp earlier than the
- *  newest of the window begins the warmup anew with this frame.
+ *  In WARMUP it is offered to the window, a first window of vdna/window.h. A frame that completes
+ *  the window without being in it is localised. In SELECTED every frame is localised. A stamp
+ *  earlier than the newest of the window begins the warmup anew with this frame.
  *  @param select      from vdna_select_init()
  *  @param frame       needed for this call only
  *  @param out_answer  says which of its fields are valid
@@ -111,7 +111,7 @@ VDNA_API void vdna_select_reset(vdna_select *select);
  *  @return VDNA_SELECT_... */
 VDNA_API uint32_t vdna_select_state(const vdna_select *select);
 
-/** Tell how far the warmup is.
+/** Get the progress of the warmup.
  *  @param select  NULL gives 0
  *  @return 0 (nothing yet) to 1 (complete, or SELECTED) */
 VDNA_API double vdna_select_progress(const vdna_select *select);
@@ -121,9 +121,9 @@ VDNA_API double vdna_select_progress(const vdna_select *select);
  *  @return candidate index in state SELECTED; 0 otherwise */
 VDNA_API uint32_t vdna_select_chosen(const vdna_select *select);
 
-/** Get how much nearer the first choice is than the second.
+/** Get the margin: the second candidate's distance minus the first's.
  *  @param select  NULL gives 0
- *  @return bins, >= 0, in state SELECTED; 0 otherwise and if there is but one candidate */
+ *  @return bins, >= 0, in state SELECTED; 0 otherwise and with only one candidate */
 VDNA_API double vdna_select_margin_bins(const vdna_select *select);
 
 /** Get all candidates in the order of their distance to the window.

@@ -24,7 +24,7 @@ enum {
     VDNA_OK = 0,               /**< done */
     VDNA_ERR_ARG = 1,          /**< an argument breaks its stated rule */
     VDNA_ERR_NOMEM = 2,        /**< the block is too small, or the system has no memory left */
-    VDNA_ERR_NONFINITE = 3,    /**< a NaN or an infinity where a number was due */
+    VDNA_ERR_NONFINITE = 3,    /**< a NaN or an infinity in place of a finite number */
     VDNA_ERR_FULL = 4,         /**< a count would pass UINT32_MAX */
     VDNA_ERR_EMPTY = 5,        /**< a histogram without samples has no distance */
     VDNA_ERR_MISMATCH = 6,     /**< two things that do not compare: shape, range, backbone */
@@ -32,7 +32,7 @@ enum {
     VDNA_ERR_UNDERFLOW = 8,    /**< subtracting what was never added */
     VDNA_ERR_IO = 9,           /**< the operating system refused a file or a socket */
     VDNA_ERR_FORMAT = 10,      /**< bytes that break their specification */
-    VDNA_ERR_CHECKSUM = 11,    /**< bytes that are not the ones that were written or pinned */
+    VDNA_ERR_CHECKSUM = 11,    /**< bytes differ from those written or pinned */
     VDNA_ERR_UNSUPPORTED = 12, /**< valid, but beyond what this version can do */
     VDNA_ERR_RUNTIME = 13      /**< the network's runtime failed */
 };

@@ -3,8 +3,8 @@
  *         policy.
  *
  *  Messages, channels and units: docs/reference/SPEC-lcm.md. Inbound bytes are checked in place
- *  before anything is believed. An LCM network is a trusted network: anyone on it can send.
- *  LCM itself prints its complaints to standard error; errors here say what to do about them.
+ *  before they are used. An LCM network is a trusted network: anyone on it can send. LCM itself
+ *  prints its complaints to standard error; errors here say what to do about them.
  */
 #ifndef VDNA_TRANSPORT_H
 #define VDNA_TRANSPORT_H
@@ -31,9 +31,9 @@ extern "C" {
 /** Most bytes of a message; LCM's limit. */
 #define VDNA_MESSAGE_BYTES_MAX (1u << 28)
 
-/** Messages of a channel that LCM queues for a transport; it drops the newest beyond. */
+/** Messages of a channel that LCM queues for a transport; beyond that it drops the newest. */
 #define VDNA_TRANSPORT_QUEUE 30u
-/** As VDNA_TRANSPORT_QUEUE, default of a listener: one on a slow terminal loses none. */
+/** The same for a listener, by default: enough for a slow terminal to lose none. */
 #define VDNA_LISTENER_QUEUE 1000u
 
 /** Longest time that a poll may wait, in milliseconds. */
@@ -65,11 +65,11 @@ typedef struct vdna_transport_frame {
     uint64_t skipped; /**< frames that were skipped or oversized since the one handed out before */
 } vdna_transport_frame;
 
-/** What has come in since the transport was opened. */
+/** Counters since the transport was opened. */
 typedef struct vdna_transport_counters {
     uint64_t received;          /**< well-formed camera messages */
     uint64_t skipped;           /**< of those, replaced by a newer one before they were asked for */
-    uint64_t oversized;         /**< of those, their picture is larger than max_image_bytes */
+    uint64_t oversized;         /**< of those, with a picture larger than max_image_bytes */
     uint64_t rejected;          /**< messages on our channels that break their format */
     uint64_t commands;          /**< well-formed command messages */
     uint64_t picture_bytes_max; /**< largest picture in a well-formed camera message */
@@ -82,12 +82,12 @@ typedef struct vdna_transport_counters {
 typedef struct vdna_transport_memory {
     uint64_t own_bytes; /**< its own, allocated by vdna_transport_open() */
     uint64_t lcm_bytes; /**< LCM's, over udpm:// : VDNA_TRANSPORT_QUEUE messages for each channel
-                             subscribed to, and messages half received. Holds as long as no message
-                             on the whole network has more bytes than a camera message of
+                             subscribed to, and messages half received. Valid as long as no message
+                             on the whole network is larger than a camera message of
                              max_image_bytes */
 } vdna_transport_memory;
 
-/** What vdna_transport_poll() found; bits. */
+/** Results of vdna_transport_poll(); bits. */
 enum {
     VDNA_TRANSPORT_FRAME = 1, /**< a camera frame */
     VDNA_TRANSPORT_RESET = 2  /**< at least one command to reset */
@@ -97,7 +97,7 @@ enum {
  *  @param config  NULL is allowed */
 VDNA_API void vdna_transport_config_init(vdna_transport_config *config);
 
-/** State what a transport of this configuration holds at most.
+/** Get the most memory that a transport of this configuration holds.
  *  @param config      as for vdna_transport_open()
  *  @param out_memory  filled
  *  @return VDNA_OK; VDNA_ERR_ARG for a bad config */
@@ -116,19 +116,19 @@ VDNA_API vdna_status vdna_transport_open(const vdna_transport_config *config, vd
  *  @param transport  NULL is allowed */
 VDNA_API void vdna_transport_close(vdna_transport *transport);
 
-/** Wait until something comes in, then take everything that is there and keep the newest frame.
- *  A log (file:// URL) is taken message by message instead: it does not run away, so no frame of it
- *  is skipped, and a replay gives the same answers at any speed.
+/** Wait for messages, then take all of them and keep the newest frame. A log (file:// URL) is read
+ *  message by message instead: no frame of it is skipped, and a replay gives the same answers at
+ *  any speed.
  *  @param transport   an open one
  *  @param timeout_ms  0 = do not wait, at most VDNA_TIMEOUT_MS_MAX
- *  @param out_events  VDNA_TRANSPORT_ bits; 0 if nothing came in time, a signal interrupted, or
- *                     what came was not well-formed or not a command that is known
+ *  @param out_events  VDNA_TRANSPORT_ bits; 0 if nothing came in time, a signal interrupted, or the
+ *                     messages were malformed or unknown commands
  *  @param out_frame   set if the FRAME bit is
  *  @return VDNA_OK; VDNA_ERR_IO if the connection is gone (for file:// URLs: the log has ended) */
 VDNA_API vdna_status vdna_transport_poll(vdna_transport *transport, int32_t timeout_ms,
                                          uint32_t *out_events, vdna_transport_frame *out_frame);
 
-/** Numbers so far.
+/** Get the counters so far.
  *  @param transport  an open one, or NULL
  *  @return valid as long as the transport is open; NULL for NULL */
 VDNA_API const vdna_transport_counters *vdna_transport_count(const vdna_transport *transport);
@@ -139,8 +139,8 @@ VDNA_API const vdna_transport_counters *vdna_transport_count(const vdna_transpor
  *  @return VDNA_OK; VDNA_ERR_ARG */
 VDNA_API vdna_status vdna_transport_check_channel(const char *name, vdna_error *error);
 
-/** Publish a message. Nothing of it is kept. All strings and arrays must be there; "" and a count
- * of 0 are allowed.
+/** Publish a message. Nothing of it is kept. No string or array may be missing; "" and a count of 0
+ * are allowed.
  *  @param transport  an open one
  *  @param channel    1..VDNA_CHANNEL_BYTES_MAX bytes
  *  @param type       one of <vdna_messages.h>, such as &vdna_message_ranking
@@ -161,8 +161,8 @@ VDNA_API vdna_status vdna_transport_publish_image(vdna_transport *transport, con
                                                   int64_t utime, const vdna_image *image);
 
 /** Check the bytes of a message before a generated decoder sees them: lengths, ends, fingerprint.
- *  The decoders that lcm-gen writes trust every length they read. What passes, they read to its
- *  last byte; whether the values make sense is the reader's to judge.
+ *  lcm-gen's decoders trust every length they read; a message that passes is read to its last byte.
+ *  The reader judges whether the values make sense.
  *  @param type  one of <vdna_messages.h>
  *  @param data  [size], a whole message
  *  @param size  bytes
@@ -171,7 +171,7 @@ VDNA_API vdna_status vdna_transport_check(const vdna_message_type *type, const v
                                           size_t size);
 
 /** Read a camera message in place. Sides must not be negative, and there must be a pixel format;
- *  whether the picture has as many bytes as they ask for is for its decoder to judge.
+ *  the picture's decoder checks that it has enough bytes.
  *  @param data  [size], a whole message; borrowed by `out_frame`
  *  @param size  bytes
  *  @param out_frame  image.data points into `data`; received_us and skipped are 0

@@ -1,7 +1,7 @@
 /** @file vdna/window.h
  *  @brief Windows: the Visual DNA of the first or the last N frames, or of T microseconds of them.
  *
- *  Four windows, of which `which` and `length_us` choose one; N is `capacity`, T is `length_us`:
+ *  `which` and `length_us` choose one of four windows; N is `capacity`, T is `length_us`:
  *
  *  | window  | holds                                 | when it is full                            |
  *  |---------|---------------------------------------|--------------------------------------------|
@@ -11,12 +11,12 @@
  *  | last T  | the frames with newest - utime < T    | frames leave as they grow too old          |
  *
  *  Stamps. Equal stamps are in order. A stamp earlier than the newest empties the window first and
- *  counts as a restart, because the window would not be one stretch of time; that holds by frames
- *  as well. A first window that is complete takes no more frames, whatever their stamps.
+ *  counts as a restart, because the window would no longer be one stretch of time; this also
+ *  applies to windows by frames. A first window that is complete takes no more frames, whatever
+ *  their stamps.
  *
- *  Capacity. No window ever holds more than `capacity` frames. Where more come within T, a last
- *  window lets the oldest leave early, and `truncated` says so; a first window is complete with the
- *  last one that has room.
+ *  Capacity. No window ever holds more than `capacity` frames. If more come within T, a last window
+ *  drops the oldest early and reports `truncated`; a first window is complete once it is full.
  *
  *  Exactness. A last window keeps the bin of every sample that it holds (two bytes each), so that a
  *  frame that leaves is subtracted exactly: at any time the histogram is, bit for bit, that of the
@@ -32,8 +32,8 @@
 extern "C" {
 #endif
 
-/** Most bins of a last window's histogram: two of the 65536 values that a sample is kept as stand
- *  for "below the range" and "above the range". A first window may have VDNA_HIST_BINS_MAX. */
+/** Most bins of a last window's histogram: of the 65536 values of a kept sample, two stand for
+ *  "below the range" and "above the range". A first window may have VDNA_HIST_BINS_MAX. */
 #define VDNA_WINDOW_BINS_MAX (VDNA_HIST_BINS_MAX - 2u)
 
 /** Which frames make a window. */
@@ -42,7 +42,7 @@ enum {
     VDNA_WINDOW_FIRST = 1 /**< those from the first on, until it is complete */
 };
 
-/** What a frame did to a window; bits. */
+/** Effects of a frame on a window; bits. */
 enum {
     VDNA_WINDOW_ADDED = 1,     /**< the frame is in the window */
     VDNA_WINDOW_RESTARTED = 2, /**< camera time ran backwards, so the window was emptied first */
@@ -56,18 +56,18 @@ typedef struct vdna_window_config {
     uint32_t capacity;            /**< most frames in the window, >= 1; UINT32_MAX in a first window
                                        by time: as many as come */
     int64_t length_us;            /**< T, >= 1; 0 = by frames, whatever their time (default) */
-    const vdna_activations *taps; /**< [tap_count], what each frame looks like; `values` is not
-                                       looked at. A last window takes frames of this shape (neurons,
-                                       samples and layout of each tap) and borrows it as long as it
-                                       is in use; a first window needs only the sum of the neurons,
-                                       and only in vdna_window_init() */
+    const vdna_activations *taps; /**< [tap_count], the shape of each frame; `values` is ignored. A
+                                       last window takes frames of this shape (neurons, samples and
+                                       layout of each tap) and borrows it as long as it is in use; a
+                                       first window needs only the sum of the neurons, and only in
+                                       vdna_window_init() */
     size_t tap_count;             /**< >= 1 */
     const float *range;           /**< [neurons of all taps][2], passes vdna_range_check();
                                        borrowed as long as the window is in use */
     uint32_t bins;                /**< VDNA_HIST_BINS_MIN..VDNA_WINDOW_BINS_MAX, for a first window
                                        ..VDNA_HIST_BINS_MAX */
-    uint64_t which;               /**< VDNA_WINDOW_LAST (default) or VDNA_WINDOW_FIRST; so wide that
-                                       it leaves no padding, which could not be used later */
+    uint64_t which;               /**< VDNA_WINDOW_LAST (default) or VDNA_WINDOW_FIRST; 64 bits wide
+                                       to leave no padding, which could not be used later */
 } vdna_window_config;
 
 /** A window, within the caller's block. */
@@ -76,12 +76,12 @@ typedef struct vdna_window vdna_window;
 /** Write the defaults: 1000 bins, the last frames; the caller must set capacity, taps and range.
  *
  *  In C and C++ a macro of this name calls vdna_window_config_init_sized(). The function itself is
- *  for programs and languages that know no more than the struct of version 0.1, which ended with
- *  `bins`: it writes that much, and `struct_size` says so.
+ *  for programs and languages that know only the struct of version 0.1, which ended with `bins`: it
+ *  writes that much and sets `struct_size` to match.
  *  @param config  NULL is allowed */
 VDNA_API void vdna_window_config_init(vdna_window_config *config);
 
-/** Write the defaults, as vdna_window_config_init() does, of the fields that the caller knows.
+/** Write the defaults of the fields that the caller's struct has.
  *  @param config       NULL is allowed
  *  @param struct_size  bytes of the struct that the caller was compiled with */
 VDNA_API void vdna_window_config_init_sized(vdna_window_config *config, size_t struct_size);
@@ -91,9 +91,9 @@ VDNA_API void vdna_window_config_init_sized(vdna_window_config *config, size_t s
 #define vdna_window_config_init(config) \
     vdna_window_config_init_sized((config), sizeof(vdna_window_config))
 
-/** Bytes that vdna_window_init() needs: a histogram and some 150; for a last window also 2 for each
- *  sample of `capacity` frames and 8 for each frame.
- *  @param config  its range is not looked at
+/** Bytes that vdna_window_init() needs: a histogram plus some 150; for a last window also 2 for
+ *  each sample of `capacity` frames and 8 for each frame.
+ *  @param config  its range is ignored
  *  @return bytes; 0 if a field breaks its rule, or if `capacity` frames of a last
  *          window could bring a mass past UINT32_MAX */
 VDNA_API size_t vdna_window_mem_size(const vdna_window_config *config);
@@ -108,7 +108,7 @@ VDNA_API size_t vdna_window_mem_size(const vdna_window_config *config);
 VDNA_API vdna_status vdna_window_init(const vdna_window_config *config, void *mem, size_t mem_size,
                                       vdna_window **out_window);
 
-/** Offer a frame; the table above says what becomes of it. After an error the window is unchanged.
+/** Offer a frame; the table above gives its effect. After an error the window is unchanged.
  *  @param window     from vdna_window_init()
  *  @param utime      the camera's stamp in microseconds
  *  @param taps       [tap_count], of the shape in the config
@@ -120,7 +120,7 @@ VDNA_API vdna_status vdna_window_add(vdna_window *window, int64_t utime,
                                      const vdna_activations *taps, size_t tap_count,
                                      uint32_t *out_events);
 
-/** Empty the window, and let it begin anew. Counters stay.
+/** Empty the window; it begins anew. Counters stay.
  *  @param window  NULL is allowed */
 VDNA_API void vdna_window_reset(vdna_window *window);
 
@@ -139,14 +139,14 @@ VDNA_API int64_t vdna_window_first_utime(const vdna_window *window);
  *  @return microseconds; 0 if there is no frame */
 VDNA_API int64_t vdna_window_last_utime(const vdna_window *window);
 
-/** Get how much of the window there is: of its time, or by frames of its capacity.
+/** Get how full the window is: the share of its time, or by frames of its capacity.
  *  @param window  NULL gives 0
  *  @return 0 (nothing yet) to 1; a first window that is complete gives 1 */
 VDNA_API double vdna_window_progress(const vdna_window *window);
 
-/** Tell whether, for want of capacity, a frame is missing that is younger than `length_us`.
+/** Tell whether lack of capacity has dropped a frame that is younger than `length_us`.
  *  @param window  NULL gives 0
- *  @return 1 if so; 0 otherwise, always by frames and for first windows */
+ *  @return 1 if so; 0 otherwise, and always for windows by frames and first windows */
 VDNA_API uint32_t vdna_window_truncated(const vdna_window *window);
 
 /** Get the stamp of the last frame that left early.
@@ -154,9 +154,9 @@ VDNA_API uint32_t vdna_window_truncated(const vdna_window *window);
  *  @return microseconds, while vdna_window_truncated() gives 1; 0 otherwise */
 VDNA_API int64_t vdna_window_left_utime(const vdna_window *window);
 
-/** Count the frames that left for want of capacity since vdna_window_init().
+/** Count the frames dropped for lack of capacity since vdna_window_init().
  *  @param window  NULL gives 0
- *  @return frames; 0 by frames and for first windows */
+ *  @return frames; 0 for windows by frames and first windows */
 VDNA_API uint64_t vdna_window_left_early(const vdna_window *window);
 
 /** Count how often the window was emptied because camera time ran backwards, since

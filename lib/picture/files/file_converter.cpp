@@ -13,10 +13,10 @@ namespace vdna::picture
 namespace
 {
 
-// False if it is damaged.
+// Decode into `bgr`; false if the file is damaged.
 bool decode(const uint8_t *data, size_t size, cv::Mat &bgr)
 {
-    // OpenCV has no read-only matrix; it is only read from.
+    // OpenCV has no read-only matrix, but imdecode() does not write to this one.
     const cv::Mat bytes(1, static_cast<int>(size), CV_8UC1, const_cast<uint8_t *>(data));
     try {
         return !cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION, &bgr).empty();

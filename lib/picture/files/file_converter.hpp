@@ -22,7 +22,8 @@ class FileConverter
     //  - 16-bit channels keep their upper 8 bits; those of TIFF are divided by 257, by libtiff.
     // The result is borrowed from `data` or, until the next call, from the converter.
     // Throws Failure: VDNA_ERR_FORMAT for a damaged file, VDNA_ERR_UNSUPPORTED for one of another
-    // kind or one too large, VDNA_ERR_NOMEM. A damaged JPEG file is not found out here.
+    // kind or one too large, VDNA_ERR_NOMEM. Whether a JPEG file is damaged shows only when it is
+    // decoded.
     vdna_image convert(const uint8_t *data, size_t size);
 
   private:

@@ -76,7 +76,8 @@ def readme(scratch):
     os.environ["HOME"] = str(scratch)
     os.environ["PKG_CONFIG_PATH"] = str(scratch / "vdna" / "lib" / "pkgconfig")
     os.environ["LD_LIBRARY_PATH"] = str(scratch / "vdna" / "lib")
-    [install] = [command for command in commands if command.startswith("cmake --install build ")]
+    [install] = [command for command in commands if command.startswith("cmake --install build ")
+                 and "--component" not in command]
     run("sh", "-c", install.replace(" build ", f" {BUILD} ", 1), cwd=scratch)
     programs = []
     for command in commands:

@@ -34,7 +34,8 @@ def files_in(folder):
 def ours(folder):
     """What the linker made of our objects."""
     return [path for path in files_in(folder)
-            if path.name in ("vdna", "vdna_selectord") or path.name.startswith(("libvdna.so", "libvdna_backbone.so"))]
+            if path.name in ("vdna", "vdna_selectord")
+            or path.name.startswith(("libvdna.so", "libvdna_backbone.so"))]
 
 
 def build_id(path):

@@ -14,13 +14,13 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 BUILD = ROOT / "build" / "coverage"
-PARTS = [ROOT / "lib" / part for part in ("core", "identity", "select", "map")]
+PARTS = [ROOT / "lib" / part for part in ("core", "identity", "select", "replace", "map")]
 TOOLS = ["clang-19", "llvm-profdata-19", "llvm-cov-19"]
 KINDS = ["line", "branch", "MC/DC"]
 
 
 def run(*command, **options):
-    """Run a command; return what it prints, or end with that if it fails."""
+    """Run a command; return its output, or exit with it if the command fails."""
     done = subprocess.run(
         command, cwd=ROOT, capture_output=True, text=True, check=False, **options
     )
@@ -53,14 +53,14 @@ def measure():
 
 
 def uncovered_lines(segments):
-    """Lines on which a region begins that never ran. A segment is line, column, count, whether it
-    has a count, whether a region begins here, whether it is a gap between regions."""
+    """Lines at the beginning of a region that never ran. A segment is line, column, count, whether
+    it has a count, whether a region begins here, whether it is a gap between regions."""
     return {line for line, _, count, counted, begins, gap in segments
             if counted and begins and not gap and count == 0}  # fmt: skip
 
 
 def gaps_of(file):
-    """{line: the kinds of what the tests leave out there}."""
+    """{line: the kinds of gaps there}."""
     gaps = {line: ["line"] for line in uncovered_lines(file["segments"])}
     for branch in file["branches"]:
         gaps.setdefault(branch[0], []).extend(["branch"] * branch[4:6].count(0))

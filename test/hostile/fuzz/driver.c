@@ -1,4 +1,4 @@
-/* Fuzzing without libFuzzer: the seeds of a target under mutations that are the same on every run.
+/* Fuzzing without libFuzzer: the seeds of a target under mutations that repeat on every run.
  *
  *     test_fuzz_NAME             all inputs, in a child process; says which one ended it
  *     test_fuzz_NAME NUMBER      one of them, in this process, for a debugger
@@ -15,7 +15,7 @@
 #define INPUTS 20000u
 
 /* Most seeds that a target may have. */
-#define SEEDS 16u
+#define SEEDS 64u
 
 typedef struct input {
     uint8_t bytes[FUZZ_SIZE];
@@ -43,7 +43,7 @@ static void set_a_byte(input *in)
     in->bytes[pick(in, in->size)] = values[pick(in, sizeof values - 1)];
 }
 
-/* Numbers that are written as text: keep the text valid, and its meaning wrong. */
+/* Numbers written as text: keep the text valid and make its meaning wrong. */
 static void set_a_digit(input *in)
 {
     const size_t first = pick(in, in->size);
@@ -129,7 +129,7 @@ static const seeds *load_seeds(void)
     return &all;
 }
 
-/* Input `number` depends on nothing but its number: the first are the seeds as they are. */
+/* Input `number` depends only on its number; the first inputs are the unchanged seeds. */
 static void run(unsigned number, const seeds *all)
 {
     static input in;
@@ -148,7 +148,7 @@ static void run(unsigned number, const seeds *all)
     free(exact);
 }
 
-/* Run all inputs in a child, so that however it ends, somebody can say where it was. */
+/* Run all inputs in a child, so that the parent can report the input that ended it. */
 static int run_all(const char *program)
 {
     volatile unsigned *at =

@@ -1,4 +1,4 @@
-/* What a fuzz target defines, and who calls it: driver.c, or libFuzzer for the first. */
+/* The functions that a fuzz target defines. driver.c calls them; libFuzzer calls the first. */
 #ifndef FUZZ_H
 #define FUZZ_H
 
@@ -8,7 +8,7 @@
 /* Bytes of the longest seed, and of the longest input that driver.c makes of one. */
 #define FUZZ_SIZE 65536u
 
-/* Try one input; whatever it is, it must not crash. @return 0 */
+/* Try one input; none may crash. @return 0 */
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 /* Write the valid input number `index` to mutate from.

@@ -25,7 +25,7 @@ static void use_identity(const vdna_experience *e)
     require(strcmp(taps, e->identity.taps) == 0);
 }
 
-/* Read all that an accepted experience points to: what was promised must hold. */
+/* Read everything that an accepted experience points to: the reader's promises must hold. */
 static void use(const vdna_experience *e)
 {
     vdna_hist_view view;
@@ -61,7 +61,7 @@ static void read_and_use(const unsigned char *bytes, size_t size)
         require(reason.text[0] != '\0');
 }
 
-/* Make the checksum right, so that what is behind it is tried as well. */
+/* Correct the checksum, so that the code behind it is tried as well. */
 static int repair(unsigned char *bytes, size_t size)
 {
     vdna_header header;
@@ -88,7 +88,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     return 0;
 }
 
-/* The sample, and the same without what is optional. */
+/* The sample, and the same without optional fields. */
 size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
 {
     vdna_experience e = sample_experience();

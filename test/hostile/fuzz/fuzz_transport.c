@@ -1,5 +1,5 @@
-// Any bytes as a message of each type. What a check accepts, the decoder that lcm-gen writes must
-// accept and read to its last byte, and encode back to the same bytes.
+// Any bytes as a message of each type. If a check accepts a message, lcm-gen's decoder must accept
+// it, read it to its last byte and encode it back to the same bytes.
 #include "message_sample.h"
 #include <vdna/transport.h>
 #include <vdna_messages.h>

@@ -11,7 +11,7 @@ trap 'rm -rf "$folder"' EXIT
 export WHY3CONFIG="$folder/why3.conf"
 why3 -C "$WHY3CONFIG" config detect >/dev/null 2>&1
 
-# prove OPTION...: steps and not seconds decide, so that a busy machine proves as much as an idle one
+# prove OPTION...: the limit is in steps, not seconds, so that a busy machine proves as much as an idle one
 prove()
 {
     frama-c -cpp-extra-args="-I lib/include" -wp -wp-rte -wp-prover cvc4 -wp-steps 20000000 \

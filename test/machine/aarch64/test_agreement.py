@@ -1,9 +1,9 @@
-"""vdna and vdna_selectord for 64-bit ARM, with the default network under emulation, say of a few
-pictures what those of this machine say.
+"""vdna and vdna_selectord for 64-bit ARM, with the default network under emulation, agree with
+those of this machine on a few pictures.
 
-A network rounds otherwise on another processor, so embeddings and distances agree within bounds,
-which are ten times or more what is found; pictures as the network is given them, and all that is
-computed from the same experience files, agree to the last bit.
+A network rounds differently on another processor, so embeddings and distances agree within bounds,
+at least ten times the differences found; the network's input, and all results computed from the
+same experience files, agree to the last bit.
 
 Environment: VDNA_BIN (scripts that run the programs under emulation), VDNA_NATIVE_BIN (programs of
 this machine), VDNA_EMULATED (command line of vdna under emulation), VDNA_TEST_MODELS (folder of the
@@ -155,7 +155,7 @@ class Programs(unittest.TestCase):
 
 
 class Processor(unittest.TestCase):
-    """A manifest that says int8 is enough: the processor is looked at before the network."""
+    """A manifest that says int8 suffices: the processor is checked before the network."""
 
     def inputs_of_int8(self, processor):
         manifest = WORK / "stand_in.toml"

@@ -1,5 +1,5 @@
-// instructions WHAT DATA: does one thing to one kind of data, for valgrind to count how many
-// instructions it takes: those below measured(). See test_core.py.
+// instructions WHAT DATA: does one thing to one kind of data, for valgrind to count the
+// instructions below measured(). See test_core.py.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -87,7 +87,7 @@ static void make_frame(enum data data)
         activations[i] = activation(data, i, SAMPLES * NEURONS);
 }
 
-// The live histogram and the candidates: those of extreme data lie as far apart as can be.
+// The live histogram and the candidates: those of extreme data lie as far apart as possible.
 static void make_hists(enum data data, unsigned count)
 {
     for (size_t n = 0; n < NEURONS; n++) {
@@ -111,7 +111,7 @@ static void make_hists(enum data data, unsigned count)
     }
 }
 
-// Rows come nearer and nearer if sorted: each is the best so far.
+// Sorted rows come ever nearer: each is the best so far.
 static void make_map(enum data data)
 {
     for (size_t i = 0; i < ROWS * DIM; i++)

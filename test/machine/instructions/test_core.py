@@ -1,11 +1,11 @@
-"""How many instructions the core takes, counted by callgrind: exactly repeatable, on any machine.
+"""Instructions of the core, counted by callgrind: exactly repeatable, on any machine.
 
     test_core.py            compare with baseline.json
     test_core.py --renew    write baseline.json
 
-The core is compiled here, with fixed flags for any x86-64, so that the counts are those of the
-source and of the compiler alone. Another compiler than the baseline's gives other counts: then only
-the independence of the data is checked, which holds with each.
+The core is compiled here, with fixed flags for any x86-64, so that the counts depend on source and
+compiler alone. With a compiler other than the baseline's, only the independence of the data is
+checked, which holds with any.
 
 VDNA_CORE is the folder of the core's sources, VDNA_INCLUDE that of the public headers.
 """
@@ -24,7 +24,8 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
 CORE = os.environ.get("VDNA_CORE", os.path.join(ROOT, "lib", "core"))
 INCLUDE = os.environ.get("VDNA_INCLUDE", os.path.join(ROOT, "lib", "include"))
 BASELINE = os.path.join(HERE, "baseline.json")
-# The last one: as for proofs, without the copies of loops that the loader chooses by the processor.
+# The last one, as for proofs, leaves out the versions of loops that the loader chooses by the
+# processor.
 FLAGS = ["-std=c99", "-O3", "-march=x86-64", "-mtune=generic", "-ffp-contract=off", "-DVDNA_VECTORISED="]
 THINGS = {
     "hist_add": "a frame of tokens, counted",
@@ -48,7 +49,7 @@ def compiler():
 
 def build(folder):
     program = os.path.join(folder, "instructions")
-    # Not to make calls of memset() out of our own memset().
+    # Keeps our own memset() from being compiled into calls of memset().
     subprocess.run(["gcc", *FLAGS, "-I", INCLUDE, "-I", CORE, "-fno-builtin",
                     "-fno-tree-loop-distribute-patterns", "-c",
                     os.path.join(HERE, "instructions.c"), "-o", program + ".o"], check=True)
@@ -85,7 +86,7 @@ def independence_faults(counts):
 
 
 def drift_faults(counts, baseline):
-    """Sentences about counts that are not those of the baseline."""
+    """Sentences about counts that differ from the baseline."""
     if compiler() != baseline["compiler"]:
         print(f"the baseline is of {baseline['compiler']}, this is {compiler()}: not compared")
         return

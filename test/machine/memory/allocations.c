@@ -1,9 +1,9 @@
-// Counts the allocations of a program, by who asked for them (LD_PRELOAD, 64-bit glibc).
+// Counts the allocations of a program by caller (LD_PRELOAD, 64-bit glibc).
 //
 // Each call of malloc and its sisters is charged to one loaded object: the first one up the stack
 // that is neither the C nor the C++ library nor the loader, which only allocate on behalf of
-// others. So a std::string that our code makes grow is ours, and what OpenCV, ONNX Runtime, LCM and
-// libjpeg allocate is theirs, also when we called them.
+// others. So the growth of a std::string in our code is ours, and allocations by OpenCV, ONNX
+// Runtime, LCM and libjpeg are theirs, even if we called them.
 //
 // The counts are in the file $VDNA_ALLOCATIONS, for others to read while the program runs:
 // see allocations.py.
@@ -32,7 +32,7 @@ void *__libc_realloc(void *block, size_t size);
 void *__libc_memalign(size_t alignment, size_t size);
 void __libc_free(void *block);
 
-// What is in the file.
+// Layout of the file.
 typedef struct counts {
     _Atomic int64_t live_bytes; // allocated and not freed, by everyone
     struct {
@@ -93,7 +93,7 @@ static int find(uintptr_t address)
     return -1;
 }
 
-// The index of the object that holds an address; libraries that were loaded meanwhile are learnt.
+// The index of the object that holds an address; newly loaded libraries are added.
 static int object_of(uintptr_t address)
 {
     int k = find(address);

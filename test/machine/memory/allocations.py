@@ -1,6 +1,6 @@
-"""Who allocates how often in a running program: reads what allocations.c counts.
+"""Allocations of a running program by caller: reads the counts of allocations.c.
 
-VDNA_ALLOCATION_COUNTER is the library that a program has to be started with.
+VDNA_ALLOCATION_COUNTER is the library to preload into a program.
 """
 import os
 import struct

@@ -1,7 +1,7 @@
 // many_frames MAP COUNT: the daemon's own loop over COUNT frames through the stub backbone, on LCM
 // within the process. Each frame sends the next one; every 100,000th also sends a reset, so that
-// warming up, ranking and localising come again and again. Prints what was resident, in bytes,
-// after the first 100 frames and at the end.
+// warming up, ranking and localising repeat. Prints the resident size, in bytes, after the first
+// 100 frames and at the end.
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>

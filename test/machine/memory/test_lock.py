@@ -1,5 +1,5 @@
-"""memory.lock keeps what the daemon touches from being paged out. Not in a namespace, in which even
-root may not lock; where this user may not either, there is nothing to test.
+"""memory.lock keeps the daemon's pages from being paged out. Not in a namespace, where even root
+may not lock; skipped if this user may not lock either.
 """
 import os
 import subprocess

@@ -1,5 +1,5 @@
 """A million frames through the daemon's loop, with a backbone that costs nothing: our own code
-allocates not once more than for a single frame, and the process does not grow.
+allocates no more often than for a few frames, and the process does not grow.
 
 VDNA_FRAMES sets another number of frames.
 """
@@ -34,7 +34,7 @@ class ManyFrames(unittest.TestCase):
               + ", ".join(f"{name} {calls[name]} ({calls[name] - few.get(name, 0):+})"
                           for name in sorted(calls, key=calls.get, reverse=True)))
         self.assertEqual(frames, MANY)
-        self.assertGreater(few["program"], 0)  # else nothing is being counted
+        self.assertGreater(few["program"], 0)  # otherwise nothing is being counted
         self.assertEqual(calls["program"], few["program"])
         # LCM's queue within a process allocates for each message: the counter tells us apart.
         self.assertGreater(sum(calls.values()), MANY)

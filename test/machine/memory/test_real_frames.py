@@ -1,7 +1,7 @@
 """Ten thousand camera frames over real LCM through the real daemon: JPEG decoded, the default
-network run, warmed up, ranked and localised again and again. From READY on our own code allocates
-nothing, also where pictures change their size, and from the 100th frame on neither ONNX Runtime,
-libjpeg nor LCM hold more.
+network run, warmed up, ranked and localised repeatedly. From READY on our own code allocates
+nothing, even if pictures change their size, and from the 100th frame on ONNX Runtime, libjpeg and
+LCM do not grow.
 
 VDNA_FRAMES sets another number of frames.
 """
@@ -20,7 +20,7 @@ FRAMES = int(os.environ.get("VDNA_FRAMES", 10000))
 SETTLED = 100      # frames
 RESET_EVERY = 1000 # frames
 FLAT_LIVE = 64 << 10      # bytes allocated; ONNX Runtime's are among them
-FLAT_RESIDENT = 2 << 20   # bytes; what is freed for each frame is not always given back
+FLAT_RESIDENT = 2 << 20   # bytes; memory freed after a frame is not always returned
 
 
 def prepare():
@@ -66,7 +66,7 @@ class RealFrames(unittest.TestCase):
         print(f"over {FRAMES} frames: live {early[0]} -> {late[0]} bytes, resident "
               f"{early_memory['VmRSS']} -> {late_memory['VmRSS']}; allocations per frame: " +
               ", ".join(f"{name} {count / FRAMES:.2f}" for name, count in more.items() if count))
-        self.assertGreater(ready, 0)  # else nothing is being counted
+        self.assertGreater(ready, 0)  # otherwise nothing is being counted
         self.assertEqual(late[1]["program"], ready)
         self.assertTrue(any("onnxruntime" in name and count > FRAMES
                             for name, count in more.items()))

@@ -1,5 +1,5 @@
-"""What `vdna_selectord --print-memory` states is what the process takes; the budget, the lock and
-the limits on pictures that go with it.
+"""`vdna_selectord --print-memory` states the memory that the process takes; also the memory budget,
+the lock and the limits on pictures.
 """
 import glob
 import json
@@ -82,11 +82,13 @@ class Statement(WithConfiguration):
                           self.configure(LIMITS)) as daemon:
             camera.send_jpeg(0, picture)
             answers.next()
-            # As many as LCM keeps, and more, while the daemon decodes; each as large as can be.
+            # More than LCM keeps, while the daemon decodes; each as large as possible.
             padded = picture + b"\0" * (65000 - len(picture))
             for utime in range(1, 60):
                 camera.send_jpeg(utime, padded if utime % 2 else picture)
                 time.sleep(0.001)
+            # LCM drops the newest message when 30 are waiting: not this one.
+            time.sleep(1)
             camera.send_jpeg(60, picture)
             # A slow machine's queue may be full at that moment; then older frames are answered first.
             while answer_of(answers.next())[0] != 60:
@@ -107,7 +109,7 @@ class Statement(WithConfiguration):
             answer(1, sorted(glob.glob(os.path.join(WORK, "summer", "*.jpg")))[0])
             before = memory_of(daemon.pid)["VmRSS"]
             with open(f"/proc/{daemon.pid}/clear_refs", "w", encoding="ascii") as file:
-                file.write("5")  # the peak begins anew; that of loading was higher
+                file.write("5")  # resets the peak; that of loading was higher
             answer(2, LARGE)
             taken = memory_of(daemon.pid)["VmHWM"] - before
         print(f"decoding: stated {stated / MIB:.1f} MiB, took {taken / MIB:.1f} MiB")
@@ -141,7 +143,7 @@ class Statement(WithConfiguration):
 
     def test_a_map_larger_than_what_is_left_runs_and_says_so(self):
         held = self.state(LIMITS)["held_bytes_max"]
-        # The map has 15 MiB; what is measured differs by some 2 MiB from run to run.
+        # The map has 15 MiB; measurements differ by some 2 MiB from run to run.
         text = LIMITS + f"[memory]\nbudget_mb = {held // MIB + 6}\n"
         with Watch() as watch, Camera() as camera, \
                 Selectord("--map", MAP, "-c", self.configure(text)) as daemon:

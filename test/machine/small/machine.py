@@ -2,7 +2,7 @@
 
 They see the compiler's own headers and those in include/ beside this file, nothing else, so that
 any further #include is an error. Stack comes from the frames and calls that GCC reports
-(-fcallgraph-info=su), and within libgcc, which does arithmetic the processor cannot, from its
+(-fcallgraph-info=su), and within libgcc, which does arithmetic that the processor lacks, from its
 instructions.
 """
 
@@ -26,7 +26,7 @@ MACHINES = {  # name: (prefix of its tools, options)
 
 
 class Machine:
-    """One of MACHINES; raises FileNotFoundError where its compiler is not installed."""
+    """One of MACHINES; raises FileNotFoundError if its compiler is not installed."""
 
     def __init__(self, name):
         self.name = name
@@ -34,7 +34,7 @@ class Machine:
         self.version = self.run("gcc", "-dumpfullversion").strip()
 
     def run(self, tool, *arguments):
-        """Run one of the machine's tools and return what it prints."""
+        """Run one of the machine's tools and return its output."""
         done = subprocess.run(
             [self.prefix + tool, *map(str, arguments)], capture_output=True, text=True, check=False
         )
@@ -49,7 +49,7 @@ class Machine:
             self.run(
                 "gcc", *self.options, "-std=c99", "-ffreestanding", "-ffp-contract=off", *options,
                 "-Wall", "-Wextra", "-Wpedantic", "-Wvla", "-Werror", "-fcallgraph-info=su",
-                # C throws no exceptions that would need tables.
+                # C throws no exceptions, so no unwind tables.
                 "-fno-asynchronous-unwind-tables",
                 "-nostdinc", "-isystem", headers, "-I", HERE / "include",
                 "-I", ROOT / "lib" / "include", "-I", ROOT / "lib" / "core",
@@ -58,7 +58,7 @@ class Machine:
         return [Path(folder, source.stem + ".o") for source in SOURCES]
 
     def link(self, output, *inputs):
-        """Link what is given and nothing else."""
+        """Link the given files and nothing else."""
         self.run("gcc", *self.options, "-nostdlib", *inputs, "-o", output)
 
     def sizes(self, *files):
@@ -73,18 +73,18 @@ class Machine:
 
 
 class Recursion(Exception):
-    """A function that comes to call itself."""
+    """A function that calls itself, directly or not."""
 
 
 class CallGraph:
-    """Who calls whom in an ARM image, and what stack each takes."""
+    """The call graph of an ARM image, and the stack of each function."""
 
     def __init__(self, machine, folder, image):
         self.frames = {}  # function: bytes of its own frame
-        self.kinds = {}  # function: how GCC knows that: "static", or "dynamic" for VLA and alloca
+        self.kinds = {}  # function: GCC's basis for that: "static", or "dynamic" for VLA and alloca
         self.calls = {}  # function: those it calls
-        self.addresses = {}  # symbol: where it is
-        self.routines = {}  # address: name of what GCC did not report
+        self.addresses = {}  # symbol: its address
+        self.routines = {}  # address: name of a function that GCC did not report
         for path in sorted(Path(folder).glob("*.ci")):
             self._read_report(path.read_text(encoding="utf-8"))
         for line in machine.run("nm", "--portability", image).splitlines():

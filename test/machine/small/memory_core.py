@@ -1,4 +1,4 @@
-"""docs/internals/memory-core.md from measurements: written, or compared with what is committed.
+"""docs/internals/memory-core.md from measurements: written, or compared with the committed page.
 
     memory_core.py RAM_PROGRAM [--write]
 

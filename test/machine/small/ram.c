@@ -1,6 +1,6 @@
-/* Prints what the library asks its caller for: first the bytes that one more experience adds to a
- * selector; then, a configuration a line, neurons, bins, and the bytes of a histogram, of the
- * distance's working memory, and of a selector among CANDIDATES experiences. */
+/* Prints the memory that the library asks of its caller: first the bytes that one more experience
+ * adds to a selector; then, a configuration a line, neurons, bins, and the bytes of a histogram, of
+ * the distance's working memory, and of a selector among CANDIDATES experiences. */
 #include <stdio.h>
 #include <string.h>
 #include <vdna/vdna.h>

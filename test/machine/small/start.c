@@ -1,4 +1,4 @@
-/* What a machine without a C library adds to link the core: an entry and three functions. */
+/* The additions of a machine without a C library to link the core: an entry and three functions. */
 #include <string.h>
 
 void *memcpy(void *restrict to, const void *restrict from, size_t size)

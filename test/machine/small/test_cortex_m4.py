@@ -1,6 +1,6 @@
-"""lib/core and lib/select on a Cortex-M4 without a C library: what they need of it and take of it.
+"""lib/core and lib/select on a Cortex-M4 without a C library: their needs, code size and stack.
 
-Both with the processor's own floats and without. Exit code 77 = skipped: no cross compiler.
+With and without the processor's own floats. Exit code 77 = skipped: no cross compiler.
 """
 
 import sys

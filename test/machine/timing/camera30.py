@@ -1,4 +1,4 @@
-"""A camera that sends 30 frames a second, whatever becomes of them."""
+"""A camera that sends 30 frames a second, received or not."""
 import threading
 import time
 

@@ -1,8 +1,8 @@
-"""The latest frame wins: a camera of 30 Hz and a network that takes 160 ms. The age of the frames
-that are answered is measured from LCM's stamp to the answer, and given in times of the network, as
-the same run measures it; so nothing here depends on the speed of the machine.
+"""The latest frame wins: a camera of 30 Hz and a network that takes 160 ms. The age of answered
+frames is measured from LCM's stamp to the answer, in units of the network's time in the same run,
+so that the speed of the machine does not matter.
 
-Expected: one network time and half a camera period to wait, that is 1.1. Were frames queued and
+Expected: one network time plus half a camera period of waiting: 1.1. If frames were queued and
 answered in turn, the age would grow to LCM's 30 frames: 30 network times.
 """
 import os
@@ -42,10 +42,10 @@ class LatestFrame(unittest.TestCase):
               f"{statistics.mean(ages):.3f}, median {statistics.median(ages):.3f}, "
               f"longest {max(ages):.3f}")
         self.assertLess(statistics.median(ages), AGE_MAX)
-        # A sleep that ends late now and then weighs little in this mean, and nothing in the median.
+        # An occasional late wake-up weighs little in this mean, and nothing in the median.
         self.assertLess(statistics.mean(sorted(ages)[:-ANSWERS // 10]), AGE_MAX)
 
-        # Stamps number the frames: between two answers exactly the declared ones are missing.
+        # Stamps number the frames: exactly the declared ones are missing between two answers.
         for (before, _, _), (utime, _, skipped) in zip(seen, seen[1:]):
             self.assertEqual(utime - before - 1, skipped)
         self.assertEqual(status["received"], status["processed"] + status["skipped"])

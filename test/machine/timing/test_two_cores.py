@@ -4,12 +4,12 @@ the load, measured in the same run:
 
   half of the frames are answered within 16 times that median, under the load
 
-A thread that has to wait for a processor waits 14 ms at worst on the virtual machines that this was
-tried on, against some 10 ms of work, and inference passes many points where its two threads meet;
-we have seen 2 to 8 times. The multiple is twice that, and of a median, so that no single delay
-decides. A daemon that answers frames in turn, or that lets its backlog grow, is beyond it at once.
+On the virtual machines tried, a thread waits at most 14 ms for a processor, against some 10 ms of
+work, and the two threads of inference synchronise often; we have seen 2 to 8 times. The multiple is
+twice that, and of a median, so that no single delay decides. A daemon that answers frames in turn,
+or lets its backlog grow, exceeds it at once.
 
-It also shows what [cpu] and [backbone] threads do to the threads of the process.
+It also tests the effect of [cpu] and [backbone] threads on the threads of the process.
 """
 import os
 import shutil
@@ -46,7 +46,7 @@ def two_processors():
 
 
 class Load:
-    """A loop that never ends on each of some processors."""
+    """An endless loop on each of some processors."""
 
     def __init__(self, processors):
         self._processors = processors
@@ -63,7 +63,7 @@ class Load:
 
 
 def latencies(answers):
-    """Of all frames that are answered in one phase, in milliseconds."""
+    """Latencies of all frames answered in one phase, in milliseconds."""
     found = []
     end = time.monotonic() + SECONDS
     while time.monotonic() < end:

@@ -17,7 +17,7 @@
 
 using Bytes = std::vector<uint8_t>;
 
-// What makes a manifest of the tiny network (test/support/make_tiny_network.py).
+// The recipe of a manifest of the tiny network (test/support/make_tiny_network.py).
 struct Recipe {
     std::string taps = "[[taps]]\noutput = \"map\"\nlayout = \"neurons_samples\"\n";
     std::string colour = "RGB";
@@ -30,7 +30,7 @@ struct Recipe {
     std::string sha256 = ""; // of `model` if empty
 };
 
-// A folder with the manifest and the model that a recipe makes.
+// A folder with the manifest and the model of a recipe.
 class TinyNetwork
 {
   public:
@@ -77,7 +77,7 @@ static vdna_backbone *opened(const Recipe &recipe = {})
     return backbone;
 }
 
-// Opening what `recipe` makes fails with `status`, and the sentence holds `words`.
+// Opening the network of `recipe` fails with `status`, in a sentence with `words`.
 static void assert_not_opened(const Recipe &recipe, vdna_status status, const std::string &words,
                               const char *runtime = nullptr)
 {
@@ -196,7 +196,7 @@ static void mean_and_std_are_in_the_channel_order_of_the_network(void **)
 
 static void a_larger_picture_is_averaged_down(void **)
 {
-    // 4x4 grey pixels, 2x2 of which make one: 0 and 100 by turns, then 200.
+    // 4x4 grey pixels, averaged 2x2: 0 and 100 by turns, then 200.
     const uint8_t pixels[] = {0, 100, 200, 200, 100, 0, 200, 200, 50, 50, 8, 8, 50, 50, 8, 8};
     const vdna_image image = {pixels, sizeof pixels, 4, 4, 0, VDNA_PIXEL_GREY};
     vdna_backbone *backbone = opened();
@@ -220,7 +220,7 @@ static void l2_normalisation_concerns_the_embedding_only(void **)
     vdna_backbone_close(backbone);
 }
 
-static void numbers_that_are_none_are_refused(void **)
+static void outputs_that_are_not_finite_are_refused(void **)
 {
     const Bytes black(12, 0);
     const vdna_image image = {black.data(), black.size(), 2, 2, 0, VDNA_PIXEL_RGB3};
@@ -288,7 +288,7 @@ static void a_model_that_does_not_fit_its_manifest_is_refused(void **)
                       "has shape 1x3x2x2; the manifest expects floats, 1x3x2x3");
 }
 
-static void a_runtime_that_is_none_is_refused(void **)
+static void a_library_that_is_no_runtime_is_refused(void **)
 {
     assert_not_opened({}, VDNA_ERR_RUNTIME, "/nowhere/libonnxruntime.so",
                       "/nowhere/libonnxruntime.so");
@@ -351,7 +351,7 @@ static vdna_backbone *opened_real(uint32_t threads)
     return backbone;
 }
 
-// A picture of its own for each `seed`.
+// A different picture for each `seed`.
 static Bytes noise(uint32_t seed, size_t size)
 {
     Bytes bytes(size);
@@ -424,11 +424,11 @@ int main()
         cmocka_unit_test(mean_and_std_are_in_the_channel_order_of_the_network),
         cmocka_unit_test(a_larger_picture_is_averaged_down),
         cmocka_unit_test(l2_normalisation_concerns_the_embedding_only),
-        cmocka_unit_test(numbers_that_are_none_are_refused),
+        cmocka_unit_test(outputs_that_are_not_finite_are_refused),
         cmocka_unit_test(a_refused_picture_leaves_the_backbone_as_it_was),
         cmocka_unit_test(a_model_other_than_the_pinned_one_is_refused),
         cmocka_unit_test(a_model_that_does_not_fit_its_manifest_is_refused),
-        cmocka_unit_test(a_runtime_that_is_none_is_refused),
+        cmocka_unit_test(a_library_that_is_no_runtime_is_refused),
         cmocka_unit_test(arguments_are_checked),
         cmocka_unit_test(a_picture_gives_the_same_bits_whatever_came_before),
         cmocka_unit_test(cancel_ends_a_run_and_stays),

@@ -1,4 +1,4 @@
-// Manifests: what is read, and how mistakes are told.
+// Manifests: reading, and messages about mistakes.
 #include <cmocka.hpp>
 #include <folder.hpp>
 
@@ -34,8 +34,7 @@ output = "map"
 l2_normalise = true
 )";
 
-// The text of the vdna::fail::Failure that reading `text` as a manifest gives; its status must be
-// `status`.
+// The text of the vdna::fail::Failure on reading `text` as a manifest; its status must be `status`.
 static std::string failure_of(const std::string &text, vdna_status status = VDNA_ERR_FORMAT)
 {
     const Folder folder;
@@ -157,7 +156,7 @@ static void bytes_that_are_no_toml_are_told_at_their_line(void **)
                 std::string::npos);
 }
 
-static void what_is_no_file_cannot_be_read(void **)
+static void a_missing_file_or_a_folder_cannot_be_read(void **)
 {
     const Folder folder;
     for (const char *name : {"", "absent.toml"})
@@ -201,7 +200,7 @@ int main()
         cmocka_unit_test(a_value_of_the_wrong_type_is_told_at_its_line),
         cmocka_unit_test(taps_must_be_there_and_differ),
         cmocka_unit_test(bytes_that_are_no_toml_are_told_at_their_line),
-        cmocka_unit_test(what_is_no_file_cannot_be_read),
+        cmocka_unit_test(a_missing_file_or_a_folder_cannot_be_read),
         cmocka_unit_test(a_bare_name_is_looked_up_and_a_path_is_not),
     };
     return cmocka_run_group_tests_name("manifest", tests, nullptr, nullptr);

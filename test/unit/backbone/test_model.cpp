@@ -1,4 +1,4 @@
-// Model files: what is refused, and that nothing else is loaded than what was hashed.
+// Model files: refusals, and that only the hashed bytes are loaded.
 #include <algorithm>
 #include <cstdint>
 
@@ -40,7 +40,7 @@ static void assert_refused(vdna_status status, const std::string &words, Body bo
 static void the_pinned_bytes_are_what_is_loaded(void **)
 {
     const Folder folder;
-    const std::string bytes(3000000, 'w'); // not a multiple of what may be read at a time
+    const std::string bytes(3000000, 'w'); // not a multiple of any likely block size
     const Model model(folder.write("a.onnx", bytes), sha256_of(bytes));
     assert_true(file_bytes(model.path()) == bytes);
     model.require_unchanged();
@@ -103,7 +103,7 @@ static void other_bytes_are_refused(void **)
     }
 }
 
-static void what_is_no_file_is_refused(void **)
+static void files_that_cannot_be_models_are_refused(void **)
 {
     const Folder folder;
     assert_refused(VDNA_ERR_IO, "No such file", [&] { Model(folder.path() / "absent", ""); });
@@ -113,7 +113,7 @@ static void what_is_no_file_is_refused(void **)
     assert_refused(VDNA_ERR_FORMAT, "2147483649 bytes", [&] { Model(huge, ""); });
 }
 
-// Wherever the entry stands in pieces that are read one after the other: across their border too.
+// The file is read in pieces; the entry is found anywhere, also across their borders.
 static void weights_in_another_file_are_refused(void **)
 {
     const Folder folder;
@@ -146,11 +146,11 @@ static void a_file_that_was_written_to_is_noticed(void **)
     const auto time = std::filesystem::last_write_time(file);
     usleep(50000); // the clock of the file system ticks slowly
     folder.write("a.onnx", "HASHED");
-    std::filesystem::last_write_time(file, time); // as tools that copy times do
+    std::filesystem::last_write_time(file, time); // like tools that copy times
     assert_refused(VDNA_ERR_IO, "changed while it was read", [&] { model.require_unchanged(); });
 }
 
-// 0 = refused as it should be, 1 = not, 2 = this machine does not let us take /proc away.
+// 0 = refused as it should be, 1 = not refused, 2 = this machine does not let us hide /proc.
 static int load_without_proc(const std::filesystem::path &file)
 {
     const Model model(file, sha256_of("hashed"));
@@ -188,7 +188,7 @@ int main()
         cmocka_unit_test(a_file_of_any_length_has_its_hash),
         cmocka_unit_test(instructions_give_the_hash_of_libmd),
         cmocka_unit_test(other_bytes_are_refused),
-        cmocka_unit_test(what_is_no_file_is_refused),
+        cmocka_unit_test(files_that_cannot_be_models_are_refused),
         cmocka_unit_test(weights_in_another_file_are_refused),
         cmocka_unit_test(another_file_of_that_name_is_not_loaded),
         cmocka_unit_test(a_file_that_was_written_to_is_noticed),

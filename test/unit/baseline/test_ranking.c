@@ -118,7 +118,7 @@ static void correlation_is_minus_one_when_recall_falls_linearly_with_distance(vo
     assert_true(m.spearman_pooled > -0.6 && m.spearman_pooled < -0.3);
 }
 
-static void what_the_table_does_not_define_is_nan(void **state)
+static void metrics_that_the_table_does_not_define_are_nan(void **state)
 {
     (void)state;
     const double recall[] = {50}, distance[] = {1}, equal[] = {50, 50}, apart[] = {1, 2};
@@ -154,7 +154,7 @@ int main(void)
         cmocka_unit_test(tau_is_one_for_the_true_order_and_minus_one_for_its_reverse),
         cmocka_unit_test(ties_lower_tau_as_tau_b_does),
         cmocka_unit_test(correlation_is_minus_one_when_recall_falls_linearly_with_distance),
-        cmocka_unit_test(what_the_table_does_not_define_is_nan),
+        cmocka_unit_test(metrics_that_the_table_does_not_define_are_nan),
         cmocka_unit_test(bad_tables_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

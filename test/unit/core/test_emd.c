@@ -82,7 +82,7 @@ static void one_neuron_of_large_mass_spoils_no_other(void **state)
     assert_true(emd[0] == 1 && emd[1] == 1);
 }
 
-static void neurons_of_other_masses_are_each_compared_by_their_own(void **state)
+static void neurons_of_different_masses_are_each_compared_by_their_own(void **state)
 {
     (void)state;
     enum { NEURONS = 6 };
@@ -211,7 +211,7 @@ int main(void)
         cmocka_unit_test(the_same_shape_with_twice_the_mass_is_at_distance_zero),
         cmocka_unit_test(sums_are_exact_on_both_sides_of_32_bits),
         cmocka_unit_test(one_neuron_of_large_mass_spoils_no_other),
-        cmocka_unit_test(neurons_of_other_masses_are_each_compared_by_their_own),
+        cmocka_unit_test(neurons_of_different_masses_are_each_compared_by_their_own),
         cmocka_unit_test(the_mean_is_over_neurons_and_bins_are_rows),
         cmocka_unit_test(an_empty_histogram_has_no_distance),
         cmocka_unit_test(histograms_of_other_ranges_or_shapes_do_not_compare),

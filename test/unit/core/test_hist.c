@@ -76,7 +76,7 @@ static void values_beyond_the_range_land_in_an_edge_bin_and_are_counted_as_satur
     assert_int_equal(hist.saturated[1], 1);
 }
 
-/* The definition of a bin, once more. */
+/* The definition of a bin, written a second time. */
 static uint32_t defined_bin(float value, float lo, float hi, uint32_t bins)
 {
     const double mid = ((double)lo + hi) / 2, half = ((double)hi - lo) / 2;
@@ -112,8 +112,8 @@ static void assert_counted_as_defined(const float *values, uint32_t samples, uin
     assert_int_equal(hist.saturated[0], beyond);
 }
 
-/* The middle of each bin and two floats to either side of each edge, where any other arithmetic
- * than the definition's would show. */
+/* The middle of each bin and two floats to either side of each edge, where any arithmetic but the
+ * definition's would differ. */
 static void values_around_every_edge_are_counted_as_defined(void **state)
 {
     (void)state;
@@ -154,7 +154,7 @@ static void values_around_every_edge_are_counted_as_defined(void **state)
         }
 }
 
-/* More neurons than are counted together, and a number that is no multiple of that. */
+/* More neurons than are counted together, and not a multiple of that number. */
 static void wide_taps_are_counted_neuron_by_neuron(void **state)
 {
     (void)state;

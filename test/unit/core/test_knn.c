@@ -55,7 +55,7 @@ static void every_dimension_counts_whatever_their_number(void **state)
     }
 }
 
-/* Rows at distances of which many are equal and all are whole numbers that floats have. */
+/* Rows whose squared distances are integers that floats hold exactly; many are equal. */
 enum { ROWS = 300, DIM = 67 };
 static int32_t steps[ROWS][DIM];
 static uint32_t squares[ROWS];
@@ -70,7 +70,7 @@ static void make_rows_alike(void)
             const int32_t size = 400 - (int32_t)((i + row) % DIM) * 5;
             steps[row][i] = random >> 31 ? size : -size;
         }
-        /* All rows are one row turned round, but for a small number. */
+        /* All rows are rotations of one row, except for one small number. */
         steps[row][(DIM - row % DIM) % DIM] = (int32_t)(random >> 8 & 7);
         for (uint32_t i = 0; i < DIM; i++)
             squares[row] += (uint32_t)(steps[row][i] * steps[row][i]);
@@ -91,7 +91,7 @@ static void rows_nearly_alike_come_in_exact_order(void **state)
     (void)state;
     static float map[ROWS][DIM];
     const float query[DIM] = {0};
-    /* From the smallest squares that floats have to the largest. */
+    /* From the smallest squares that floats hold to the largest. */
     const int exponents[] = {-74, -63, -10, 0, 40, 51};
     make_rows_alike();
     for (size_t e = 0; e < sizeof exponents / sizeof *exponents; e++) {
@@ -110,7 +110,7 @@ static void rows_nearly_alike_come_in_exact_order(void **state)
     }
 }
 
-static void a_square_is_as_near_to_the_exact_one_as_promised(void **state)
+static void squares_are_within_the_promised_error(void **state)
 {
     (void)state;
     enum { MOST = 3000 };
@@ -167,7 +167,7 @@ int main(void)
         cmocka_unit_test(asking_for_more_rows_than_there_are_gives_them_all),
         cmocka_unit_test(every_dimension_counts_whatever_their_number),
         cmocka_unit_test(rows_nearly_alike_come_in_exact_order),
-        cmocka_unit_test(a_square_is_as_near_to_the_exact_one_as_promised),
+        cmocka_unit_test(squares_are_within_the_promised_error),
         cmocka_unit_test(a_distance_that_is_not_finite_is_refused),
         cmocka_unit_test(bad_arguments_are_refused),
     };

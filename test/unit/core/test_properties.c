@@ -1,5 +1,5 @@
-/* What must hold for all histograms, tried on random ones. Everything follows from SEED and the
- * number of the case, which a failure prints. */
+/* Properties of all histograms, tried on random ones. Everything follows from SEED and the number
+ * of the case, which a failure prints. */
 #include <math.h>
 #include <string.h>
 #include <vdna/emd.h>
@@ -66,7 +66,7 @@ static void random_shape(void)
         unit_range[2 * n + 1] = 1;
 }
 
-/* The largest mass that compares with itself. */
+/* The largest mass within the exact bound. */
 static uint32_t largest_mass(void)
 {
     const double most = floor(sqrt((double)(INT64_MAX / (int64_t)(bins - 1)))) - 1;
@@ -147,14 +147,14 @@ static void the_distance_is_symmetric(void **state)
     }
 }
 
-/* The integer that was divided: emd * mass_p * mass_q, exact for masses up to SMALL_MASS. */
+/* The integer before division: emd * mass_p * mass_q, exact for masses up to SMALL_MASS. */
 static uint64_t sum_of(double emd, uint32_t mass_p, uint32_t mass_q)
 {
     return (uint64_t)(emd * mass_p * mass_q + 0.5);
 }
 
-/* For small masses in whole numbers, so exactly: with d = sum / (mass * mass), multiply
- * d(p, r) <= d(p, q) + d(q, r) by all three masses. For large masses with the three roundings. */
+/* Small masses exactly, in whole numbers: with d = sum / (mass * mass), multiply d(p, r) <= d(p, q)
+ * + d(q, r) by all three masses. Large masses with a tolerance for the three roundings. */
 static void the_triangle_inequality_holds(void **state)
 {
     (void)state;
@@ -263,7 +263,7 @@ static int same(const counted *a, const counted *b)
     return memcmp(a->mem, b->mem, sizeof a->mem) == 0 && a->hist.frames == b->hist.frames;
 }
 
-/* Ranges from tiny to huge and about zero or far from it; values in it, on its edges and beyond. */
+/* Ranges from tiny to huge, about zero or far from it; values inside, on the edges and beyond. */
 static void random_frames(void)
 {
     neurons = 1 + random_below(NEURONS_MOST);

@@ -91,7 +91,7 @@ static void a_constant_neuron_gets_half_width_one(void **state)
     assert_true(range[0] == 2 && range[1] == 4);
 }
 
-static void expanding_what_saw_nothing_is_refused(void **state)
+static void expanding_a_table_that_saw_nothing_is_refused(void **state)
 {
     (void)state;
     float range[4] = {1, 2, 0, 0};
@@ -143,7 +143,7 @@ int main(void)
         cmocka_unit_test(expanding_about_the_midpoint_widens_both_sides_alike),
         cmocka_unit_test(expanding_about_zero_is_the_reference_rule),
         cmocka_unit_test(a_constant_neuron_gets_half_width_one),
-        cmocka_unit_test(expanding_what_saw_nothing_is_refused),
+        cmocka_unit_test(expanding_a_table_that_saw_nothing_is_refused),
         cmocka_unit_test(an_edge_that_leaves_the_floats_is_refused),
         cmocka_unit_test(bad_factors_and_rules_are_refused),
         cmocka_unit_test(checking_refuses_empty_reversed_and_infinite_ranges),

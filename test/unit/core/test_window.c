@@ -62,7 +62,7 @@ static void add(vdna_window *window, int64_t utime, float value)
     assert_int_equal(try_add(window, utime, value), VDNA_OK);
 }
 
-/* What the window says of a frame: VDNA_WINDOW_ bits. */
+/* The events of a frame: VDNA_WINDOW_ bits. */
 static uint32_t events_of(vdna_window *window, int64_t utime, float value)
 {
     const vdna_activations tap = {&value, 1, 1, VDNA_LAYOUT_SAMPLES_NEURONS};
@@ -71,7 +71,7 @@ static uint32_t events_of(vdna_window *window, int64_t utime, float value)
     return events;
 }
 
-/* The mass of a window, to be set to what no test has the time to count to. */
+/* The mass of a window, to be set to values that no test has time to count to. */
 static uint32_t *mass_of(vdna_window *window)
 {
     return vdna_window_hist(window)->mass;
@@ -105,7 +105,7 @@ static void by_frames_the_oldest_leaves_when_the_window_is_full(void **state)
     assert_int_equal(vdna_window_left_early(window), 0);
 }
 
-static void what_lay_beyond_the_range_leaves_as_such(void **state)
+static void a_saturated_sample_leaves_as_a_saturated_one(void **state)
 {
     (void)state;
     vdna_window *window = window_of(by_frames(2));
@@ -147,8 +147,8 @@ static void more_frames_than_capacity_within_the_time_leave_early_and_that_shows
     assert_int_equal(vdna_window_left_early(window), 1);
     assert_int_equal(vdna_window_left_utime(window), 0);
 
-    /* The frame of 0 would still belong to a window that ends at 999, but not at 1400, when the
-     * one of 400 is due as well. */
+    /* The frame at 0 would still belong to a window that ends at 999, but not at 1400, when the one
+     * at 400 leaves as well. */
     add(window, 1400, 3.5f);
     assert_counts(window, 0, 0, 1, 1, 0);
     assert_int_equal(vdna_window_truncated(window), 0);
@@ -308,7 +308,7 @@ static void a_capacity_that_cannot_be_counted_or_addressed_is_refused(void **sta
     const vdna_activations many[] = {{NULL, 1, 65536, 0}};
     vdna_window_config config = by_frames(65535);
     config.taps = many;
-    /* As many as can be counted; 8 GB, which not every size_t can say. */
+    /* The most that can be counted: 8 GB, beyond some size_t. */
     if (SIZE_MAX > UINT32_MAX)
         assert_true(vdna_window_mem_size(&config) > (uint64_t)65536 * 65535 * 2);
     config.capacity = 65536;
@@ -333,15 +333,15 @@ static void defaults_are_by_frames_with_a_thousand_bins(void **state)
     vdna_window_config_init(NULL);
 }
 
-/* Version 0.1 had no `which`; test/abi/old_caller.c is a program that was compiled with it. */
+/* Version 0.1 had no `which`; test/contract/abi/old_caller.c is a program compiled with it. */
 #define SIZE_0_1 offsetof(vdna_window_config, which)
 
-static void an_older_config_gets_the_defaults_of_what_it_lacks(void **state)
+static void an_older_config_gets_the_defaults_of_the_fields_it_lacks(void **state)
 {
     (void)state;
     vdna_window_config config = by_frames(2);
     config.struct_size = SIZE_0_1;
-    config.which = 77; /* the old caller's memory, which is none of our business */
+    config.which = 77; /* the old caller's memory, not part of its struct */
     vdna_window *window = window_of(config);
     for (int64_t utime = 0; utime < 5; utime++)
         assert_int_equal(events_of(window, utime, 0.5f), VDNA_WINDOW_ADDED);
@@ -367,7 +367,7 @@ static void defaults_are_written_as_far_as_the_caller_has_room(void **state)
             assert_int_equal(is_written, b < sizes[i]);
         }
     }
-    /* Newer than this library: refused by all that take it. */
+    /* Newer than this library: refused by every function that takes it. */
     room.config = by_frames(1);
     assert_int_not_equal(vdna_window_mem_size(&room.config), 0);
     room.config.struct_size = sizeof room;
@@ -419,7 +419,7 @@ static void the_masses_of_a_last_window_are_bounded_by_its_capacity_alone(void *
     vdna_window *window = window_of(by_frames(2));
     add(window, 0, 0.5f);
     add(window, 1, 0.5f);
-    *mass_of(window) = UINT32_MAX; /* as 2 frames of 2^31 samples less one would make it */
+    *mass_of(window) = UINT32_MAX; /* as after 2 frames of 2^31 samples, less one */
     add(window, 2, 0.5f);
     assert_int_equal(*mass_of(window), UINT32_MAX);
 }
@@ -540,7 +540,7 @@ static void a_first_window_whose_counts_are_full_is_unchanged(void **state)
     assert_int_equal(try_add(window, 1, 0.5f), VDNA_ERR_FULL);
     assert_int_equal(vdna_window_hist(window)->frames, 1);
     assert_int_equal(*mass_of(window), UINT32_MAX);
-    /* Neither a frame beyond the window nor one that begins it anew needs that room. */
+    /* A frame beyond the window, or one that begins it anew, needs no such room. */
     assert_int_equal(events_of(window, 1000, 0.5f), VDNA_WINDOW_COMPLETE);
     vdna_window_reset(window);
     add(window, 0, 0.5f);
@@ -586,8 +586,8 @@ static void a_window_that_is_not_there_has_nothing(void **state)
     assert_int_equal(vdna_window_restarts(NULL), 0);
 }
 
-/* Long runs. Frames are a function of their number, so that those of the window can be made
- * again and counted from nothing. */
+/* Long runs. A frame is a function of its number, so that those in the window can be made again and
+ * counted from scratch. */
 typedef struct long_run {
     vdna_activations taps[2];
     size_t tap_count;
@@ -732,7 +732,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(by_frames_the_oldest_leaves_when_the_window_is_full),
-        cmocka_unit_test(what_lay_beyond_the_range_leaves_as_such),
+        cmocka_unit_test(a_saturated_sample_leaves_as_a_saturated_one),
         cmocka_unit_test(by_time_a_frame_leaves_when_it_is_as_old_as_the_window_is_long),
         cmocka_unit_test(more_frames_than_capacity_within_the_time_leave_early_and_that_shows),
         cmocka_unit_test(a_stamp_that_runs_backwards_empties_the_window_first),
@@ -745,7 +745,7 @@ int main(void)
         cmocka_unit_test(a_range_without_width_is_refused),
         cmocka_unit_test(a_capacity_that_cannot_be_counted_or_addressed_is_refused),
         cmocka_unit_test(defaults_are_by_frames_with_a_thousand_bins),
-        cmocka_unit_test(an_older_config_gets_the_defaults_of_what_it_lacks),
+        cmocka_unit_test(an_older_config_gets_the_defaults_of_the_fields_it_lacks),
         cmocka_unit_test(defaults_are_written_as_far_as_the_caller_has_room),
         cmocka_unit_test(the_function_behind_the_macro_writes_what_version_0_1_had),
         cmocka_unit_test(a_last_window_is_never_complete_and_tells_of_restarts),

@@ -1,4 +1,4 @@
-// Counts as the bytes of a cache entry.
+// Counts packed into the bytes of a cache entry.
 #include "cmocka.hpp"
 #include "eval/packing.hpp"
 

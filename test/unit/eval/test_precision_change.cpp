@@ -1,4 +1,4 @@
-// What becomes of embeddings and rankings in another precision, on numbers to check by hand.
+// Embeddings and rankings in another precision, on numbers to check by hand.
 #include <cmath>
 
 #include <cmocka.hpp>

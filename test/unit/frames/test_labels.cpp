@@ -1,4 +1,4 @@
-// CSV tables of labels: what they may hold and how they are refused.
+// CSV tables of labels: contents and refusals.
 #include <cstring>
 
 #include <vdna/cpp/error.hpp>

@@ -56,7 +56,7 @@ std::string camera_message(int64_t utime, char grey)
            big_endian(1, 4) + grey + big_endian(0, 4);
 }
 
-// An event of an LCM log; `claimed` is the data length that its header tells.
+// An event of an LCM log; `claimed` is the data length in its header.
 std::string event(const std::string &channel, const std::string &data, uint32_t claimed)
 {
     return big_endian(0xEDA1DA01, 4) + big_endian(0, 8) + big_endian(1, 8) +

@@ -1,4 +1,4 @@
-/* What makes two Visual DNAs comparable: its rules, its text and hash, taps and names. */
+/* Identities: their rules, text and hash, taps and names. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -148,12 +148,12 @@ static void a_comparison_names_the_first_difference_and_both_values(void **state
     assert_differ(&sample, &other, hashes);
 }
 
-static void a_precision_that_explains_other_models_is_reported_instead_of_them(void **state)
+static void a_precision_that_explains_different_models_is_reported_instead(void **state)
 {
     (void)state;
     vdna_identity int8 = sample;
     strcpy(int8.precision, "int8");
-    /* Of one and the same model: what it is called makes no difference. */
+    /* Of the same model: its name makes no difference. */
     assert_int_equal(vdna_identity_compare(&sample, &int8, NULL), VDNA_OK);
     int8.model_sha256[0] = 'f';
     assert_differ(&sample, &int8, "precision is fp32 in one and int8 in the other");
@@ -172,13 +172,13 @@ static void long_values_are_shown_from_where_they_differ(void **state)
     assert_differ(&a, &b,
                   "taps is ...:197,blocks.11:768:197, in one and ...:197,blocks.11:768:167, in the"
                   " other");
-    /* One is where the other begins. */
+    /* One is the beginning of the other. */
     b.taps[11 * strlen(block)] = '\0';
     assert_differ(
         &b, &a,
         "taps is ...7,blocks.11:768:197, in one and ...7,blocks.11:768:197,blocks.11:768:197,"
         " in the other");
-    /* At their beginning, and when only one of them is long. */
+    /* With a difference at the beginning, and with only one long value. */
     strcpy(b.taps, "mid:2:4");
     char sentence[256];
     snprintf(sentence, sizeof sentence, "taps is mid:2:4 in one and %.100s in the other", a.taps);
@@ -187,7 +187,7 @@ static void long_values_are_shown_from_where_they_differ(void **state)
     assert_differ(&a, &b, sentence);
 }
 
-static void what_one_side_does_not_know_is_not_compared(void **state)
+static void a_field_unknown_to_one_side_is_not_compared(void **state)
 {
     (void)state;
     vdna_identity open = sample;
@@ -269,7 +269,7 @@ static void taps_are_read_one_by_one_and_their_names_may_hold_colons(void **stat
     assert_int_equal(vdna_taps_next(&rest, &tap), VDNA_ERR_EMPTY);
 }
 
-static void what_is_no_tap_is_refused_and_passed_by_no_one(void **state)
+static void invalid_taps_are_refused_and_not_skipped(void **state)
 {
     (void)state;
     static const char *const lists[] = {
@@ -395,15 +395,15 @@ int main(void)
         cmocka_unit_test(numbers_that_break_a_rule_are_refused),
         cmocka_unit_test(a_precision_that_is_not_stated_is_fp32),
         cmocka_unit_test(a_comparison_names_the_first_difference_and_both_values),
-        cmocka_unit_test(a_precision_that_explains_other_models_is_reported_instead_of_them),
+        cmocka_unit_test(a_precision_that_explains_different_models_is_reported_instead),
         cmocka_unit_test(long_values_are_shown_from_where_they_differ),
-        cmocka_unit_test(what_one_side_does_not_know_is_not_compared),
+        cmocka_unit_test(a_field_unknown_to_one_side_is_not_compared),
         cmocka_unit_test(the_text_has_a_line_for_each_field),
         cmocka_unit_test(the_longest_identity_has_room_in_its_text),
         cmocka_unit_test(the_hash_is_that_of_the_specification),
         cmocka_unit_test(an_identity_that_is_not_complete_has_no_hash),
         cmocka_unit_test(taps_are_read_one_by_one_and_their_names_may_hold_colons),
-        cmocka_unit_test(what_is_no_tap_is_refused_and_passed_by_no_one),
+        cmocka_unit_test(invalid_taps_are_refused_and_not_skipped),
         cmocka_unit_test(taps_are_written_as_they_are_read),
         cmocka_unit_test(a_tap_that_cannot_be_read_back_is_not_written),
         cmocka_unit_test(a_list_of_taps_may_fill_its_room_to_the_last_byte),

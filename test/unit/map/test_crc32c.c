@@ -1,4 +1,4 @@
-/* CRC-32C: by tables as it is defined, and by the processor's instruction as by tables. */
+/* CRC-32C: tables against the definition, and the processor's instruction against tables. */
 #include <cmocka_all.h>
 #include <crc32c.h>
 #include <stdlib.h>

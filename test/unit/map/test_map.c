@@ -1,4 +1,4 @@
-/* Experience files: what is written is read back, and nothing but valid files is read. */
+/* Experience files: written ones are read back, and only valid ones are read. */
 #define _POSIX_C_SOURCE 200809L
 #include "map_files.h"
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 
 #define FILE_SIZE 8192
 
-/* A file to damage: the sample's bytes, and where the damaged ones go. */
+/* A file to damage: the sample's bytes, and the path of the damaged copy. */
 typedef struct file {
     directory directory;
     unsigned char bytes[FILE_SIZE];
@@ -129,7 +129,7 @@ static void assert_opens(const file *f)
     vdna_experience_close(&e);
 }
 
-/* Check that the file is refused for the reason meant, by name, and nothing is handed out. */
+/* Check that the file is refused by name, for the intended reason, without output. */
 static void assert_refused(const file *f, vdna_status expected, const char *reason)
 {
     vdna_error error = {""};
@@ -201,7 +201,7 @@ static void an_experience_needs_no_places_and_no_positions(void **state)
     vdna_experience_close(&e);
 }
 
-static void a_precision_is_kept_and_fp32_where_none_is_said(void **state)
+static void a_precision_is_kept_and_defaults_to_fp32(void **state)
 {
     const file *f = *state;
     const char *path = path_in(&f->directory, "int8");
@@ -254,7 +254,7 @@ static void every_other_spelling_of_the_header_opens(void **state)
         {"\"backbone\"", "\"b\\u0061ckbone\""},
         {"\"mass\":{\"dtype\":\"U32\",\"shape\":[3],",
          "\"mass\":{\"shape\":[ 3 ],\"dtype\":\"U32\","},
-        /* What others add is theirs: a text in two, three and four bytes and escapes, a tensor. */
+        /* Additions of others: a text with two, three and four bytes and escapes, a tensor. */
         {"{\"format\"",
          "{\"note\":\"\xC3\xA9\xE2\x82\xAC\xF0\x9F\x98\x80\\n\\\"\\/\\ud83d\\ude00\","
          "\"format\""},
@@ -588,7 +588,7 @@ static void a_length_beyond_the_file_is_refused_before_it_is_used(void **state)
     assert_refused(&f, VDNA_ERR_FORMAT, "byte 8 of the file: expected '{'");
 }
 
-static void what_is_no_regular_file_is_refused_without_waiting(void **state)
+static void a_file_that_is_not_regular_is_refused_without_waiting(void **state)
 {
     const file *f = *state;
     const char *fifo = path_in(&f->directory, "fifo");
@@ -639,7 +639,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         CASE(what_is_written_is_read_back),
         CASE(an_experience_needs_no_places_and_no_positions),
-        CASE(a_precision_is_kept_and_fp32_where_none_is_said),
+        CASE(a_precision_is_kept_and_defaults_to_fp32),
         CASE(the_longest_taps_are_kept),
         CASE(the_checksum_is_crc32c_of_all_before_it),
         CASE(every_other_spelling_of_the_header_opens),
@@ -658,7 +658,7 @@ int main(void)
         CASE(any_damaged_byte_is_refused),
         CASE(a_damaged_number_is_a_checksum_error),
         CASE(a_length_beyond_the_file_is_refused_before_it_is_used),
-        CASE(what_is_no_regular_file_is_refused_without_waiting),
+        CASE(a_file_that_is_not_regular_is_refused_without_waiting),
         CASE(a_huge_sparse_file_is_refused),
         CASE(an_open_experience_outlives_its_file),
     };

@@ -1,12 +1,12 @@
 /* A map is a directory: its experiences in order, under different names, comparable. */
-#define _POSIX_C_SOURCE 200809L
-#include "map_files.h"
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
+#define _DEFAULT_SOURCE
+#include <fcntl.h>
 #include <sys/stat.h>
 
-#include <cmocka.h>
+#include "cmocka_all.h"
+#include "journal.h"
+#include "map_files.h"
+#include "watched_calls.h"
 
 static void write_as(const directory *made, const char *file, const char *name, vdna_experience e)
 {
@@ -182,6 +182,304 @@ static void names_lengths_and_labels_may_differ(void **state)
     assert_int_equal(vdna_experience_compare(&sample, &other, NULL), VDNA_OK);
 }
 
+static void assert_listed(const directory *made, const char *const (*expected)[2], uint32_t count)
+{
+    vdna_map_file files[8];
+    uint32_t found = 0;
+    assert_int_equal(vdna_map_count(made->path, NULL, &found), VDNA_OK);
+    assert_int_equal(found, count);
+    found = 77;
+    assert_int_equal(vdna_map_list(made->path, count, NULL, files, &found), VDNA_OK);
+    assert_int_equal(found, count);
+    for (uint32_t i = 0; i < count; i++) {
+        assert_string_equal(files[i].name, expected[i][0]);
+        assert_string_equal(files[i].file, expected[i][1]);
+    }
+}
+
+static void files_are_listed_in_the_byte_order_of_their_names(void **state)
+{
+    static const char *const expected[][2] = {
+        {"B.vdna", "B.vdna"}, {"a.vdna", "a.vdna"}, {"b.vdna", "b.vdna"}};
+    const directory *made = *state;
+    assert_listed(made, NULL, 0);
+    save_file(path_in(made, "b.vdna"), "need not be valid", 17);
+    save_file(path_in(made, "a.vdna"), "x", 1);
+    save_file(path_in(made, "B.vdna"), "x", 1);
+    save_file(path_in(made, "c.vdna.0.partial"), "x", 1);
+    save_file(path_in(made, "c.vdna.staged"), "x", 1);
+    assert_listed(made, expected, 3);
+}
+
+static void a_list_without_a_place_is_refused(void **state)
+{
+    const directory *made = *state;
+    vdna_map_file files[1];
+    vdna_error error;
+    uint32_t count = 77;
+    save_file(path_in(made, "a.vdna"), "x", 1);
+    save_file(path_in(made, "b.vdna"), "x", 1);
+    assert_int_equal(vdna_map_list(NULL, 1, NULL, files, &count), VDNA_ERR_ARG);
+    assert_int_equal(vdna_map_list(made->path, 1, NULL, NULL, &count), VDNA_ERR_ARG);
+    assert_int_equal(vdna_map_list(made->path, 1, NULL, files, NULL), VDNA_ERR_ARG);
+    assert_int_equal(vdna_map_list(made->path, 1, &error, files, &count), VDNA_ERR_NOMEM);
+    assert_non_null(strstr(error.text, "2 experiences, expected at most 1"));
+    assert_int_equal(vdna_map_list(made->path, 0, NULL, NULL, &count), VDNA_ERR_NOMEM);
+    assert_int_equal(vdna_map_list(path_in(made, "none"), 1, NULL, files, &count), VDNA_ERR_IO);
+    assert_int_equal(count, 77);
+}
+
+/* Write the journal of an update of some experiences that was interrupted. */
+static void interrupt(const directory *made, const char *const *names, size_t count)
+{
+    vdna_journal journal = {NULL, 0};
+    const int place = open(made->path, O_RDONLY | O_DIRECTORY);
+    for (size_t i = 0; i < count; i++)
+        assert_true(vdna_journal_add(&journal, names[i]));
+    assert_int_equal(vdna_journal_write(place, made->path, &journal, NULL), VDNA_OK);
+    vdna_journal_free(&journal);
+    close(place);
+}
+
+static void an_interrupted_update_is_read_in_all_its_states(void **state)
+{
+    static const char *const expected[][2] = {{"night.vdna", "night.vdna.staged"},
+                                              {"spring.vdna", "spring.vdna"},
+                                              {"summer.vdna", "summer.vdna"},
+                                              {"winter.vdna", "winter.vdna.staged"}};
+    static const char *const names[] = {"night", "summer", "winter"};
+    const directory *made = *state;
+    const vdna_experience sample = sample_experience();
+    write_as(made, "spring.vdna", "spring", sample); /* not updated */
+    write_as(made, "summer.vdna", "summer", sample); /* renamed */
+    write_as(made, "winter.vdna", "old", sample);    /* to be replaced */
+    write_as(made, "winter.vdna.staged", "winter", sample);
+    write_as(made, "night.vdna.staged", "night", sample);   /* new, to be renamed */
+    write_as(made, "autumn.vdna.staged", "autumn", sample); /* not final */
+    interrupt(made, names, 3);
+    assert_listed(made, expected, 4);
+
+    static const char *const opened[] = {"night", "spring", "summer", "winter"};
+    vdna_experience map[4];
+    uint32_t count = 0;
+    assert_int_equal(vdna_map_open(made->path, 4, NULL, map, &count), VDNA_OK);
+    assert_int_equal(count, 4);
+    for (size_t i = 0; i < 4; i++) {
+        assert_string_equal(map[i].name, opened[i]);
+        vdna_experience_close(&map[i]);
+    }
+}
+
+static void an_interrupted_update_may_be_all_of_a_map(void **state)
+{
+    static const char *const expected[][2] = {{"night.vdna", "night.vdna.staged"}};
+    static const char *const names[] = {"night"};
+    const directory *made = *state;
+    write_as(made, "night.vdna.staged", "night", sample_experience());
+    interrupt(made, names, 1);
+    assert_listed(made, expected, 1);
+}
+
+static void an_experience_of_an_interrupted_update_that_is_gone_is_named(void **state)
+{
+    static const char *const names[] = {"night"};
+    const directory *made = *state;
+    interrupt(made, names, 1);
+    assert_map_refused(made, VDNA_ERR_IO, "night.vdna.staged: cannot open: No such file");
+}
+
+static void a_damaged_staged_file_is_named(void **state)
+{
+    static const char *const names[] = {"night"};
+    const directory *made = *state;
+    save_file(path_in(made, "night.vdna.staged"), "not an experience", 17);
+    interrupt(made, names, 1);
+    assert_map_refused(made, VDNA_ERR_FORMAT, "/night.vdna.staged: the header claims");
+}
+
+static void a_link_to_an_experience_is_one_and_a_broken_one_is_named(void **state)
+{
+    const directory *made = *state;
+    write_as(made, "elsewhere", "winter", sample_experience());
+    assert_int_equal(symlink("elsewhere", path_in(made, "winter.vdna")), 0);
+    vdna_experience map[1];
+    uint32_t count = 0;
+    assert_int_equal(vdna_map_open(made->path, 1, NULL, map, &count), VDNA_OK);
+    assert_int_equal(count, 1);
+    vdna_experience_close(&map[0]);
+    assert_int_equal(unlink(path_in(made, "elsewhere")), 0);
+    assert_map_refused(made, VDNA_ERR_IO, "/winter.vdna: cannot open: No such file");
+}
+
+/* Replaced as another tool does it: by a rename, without an update. */
+static struct {
+    const directory *made;
+    const char *from, *to;
+    int reads_left;
+} replacement;
+
+static int replace_later(const char *function)
+{
+    if (strcmp(function, "openat") == 0 && replacement.reads_left-- == 0)
+        assert_int_equal(rename(replacement.from, replacement.to), 0);
+    return 0;
+}
+
+static void a_file_that_another_tool_replaces_meanwhile_is_read_again(void **state)
+{
+    const directory *made = *state;
+    /* A reader's calls of openat(): the journal, both experiences, the journal. */
+    for (int reads = 0; reads < 4; reads++) {
+        vdna_experience map[2];
+        uint32_t count = 0;
+        write_as(made, "a.vdna", "a", sample_experience());
+        write_as(made, "b.vdna", "old", sample_experience());
+        write_as(made, "new", "new", sample_experience());
+        replacement.from = path_in(made, "new");
+        replacement.to = path_in(made, "b.vdna");
+        replacement.reads_left = reads;
+        watch = replace_later;
+        assert_int_equal(vdna_map_open(made->path, 2, NULL, map, &count), VDNA_OK);
+        watch = NULL;
+        assert_true(replacement.reads_left < 0);
+        assert_string_equal(map[1].name, "new");
+        for (uint32_t i = 0; i < count; i++)
+            vdna_experience_close(&map[i]);
+    }
+}
+
+/* A reader lists one file and opens another; then the first is there again. */
+static int come_and_go(const char *function)
+{
+    if (strcmp(function, "openat") == 0 && --replacement.reads_left == 2)
+        assert_int_equal(rename(replacement.from, replacement.to), 0);
+    else if (strcmp(function, "openat") == 0 && replacement.reads_left == 1)
+        assert_int_equal(rename(path_in(replacement.made, "kept"), replacement.to), 0);
+    return 0;
+}
+
+static void a_file_that_was_there_for_a_moment_is_not_part_of_the_map(void **state)
+{
+    const directory *made = *state;
+    vdna_experience map[1];
+    uint32_t count;
+    write_as(made, "a.vdna", "old", sample_experience());
+    write_as(made, "new", "new", sample_experience());
+    replacement.made = made;
+    replacement.from = path_in(made, "new");
+    replacement.to = path_in(made, "a.vdna");
+    replacement.reads_left = 4;
+    assert_int_equal(link(replacement.to, path_in(made, "kept")), 0);
+    watch = come_and_go;
+    assert_int_equal(vdna_map_open(made->path, 1, NULL, map, &count), VDNA_OK);
+    watch = NULL;
+    assert_true(replacement.reads_left < 1);
+    assert_string_equal(map[0].name, "old");
+    vdna_experience_close(&map[0]);
+}
+
+static unsigned opened_before_a_close;
+
+static int count_opened(const char *function)
+{
+    static unsigned opened;
+    opened = strcmp(function, "opendir") == 0 ? 0 : opened + (strcmp(function, "openat") == 0);
+    if (strcmp(function, "munmap") == 0 && opened_before_a_close == 0)
+        opened_before_a_close = opened;
+    return 0;
+}
+
+/* A file system may give a new file the number of one that is gone, and ext4 does so after a while:
+ * then a reader would take it for what it had opened. */
+static void files_stay_open_until_the_map_is_listed_again(void **state)
+{
+    const directory *made = *state;
+    vdna_experience other = sample_experience();
+    strcpy(other.identity.preprocessing, "other");
+    write_as(made, "a.vdna", "a", sample_experience());
+    write_as(made, "b.vdna", "b", other);
+    opened_before_a_close = 0;
+    watch = count_opened;
+    assert_map_refused(made, VDNA_ERR_MISMATCH, "a and b do not compare");
+    watch = NULL;
+    assert_int_equal(opened_before_a_close, 4); /* journal, a, b, journal */
+}
+
+/* Another update becomes final, and is interrupted, between two listings. */
+static int interrupt_again(const char *function)
+{
+    static const char *const names[] = {"winter"};
+    if (strcmp(function, "openat") == 0 && replacement.reads_left-- == 0)
+        interrupt(replacement.made, names, 1);
+    return 0;
+}
+
+static void a_journal_that_another_one_replaces_meanwhile_is_read_again(void **state)
+{
+    static const char *const names[] = {"night"};
+    const directory *made = *state;
+    vdna_map_file files[2];
+    uint32_t count = 0;
+    save_file(path_in(made, "night.vdna"), "x", 1);
+    save_file(path_in(made, "winter.vdna"), "x", 1);
+    save_file(path_in(made, "winter.vdna.staged"), "x", 1);
+    interrupt(made, names, 1);
+    replacement.made = made;
+    replacement.reads_left = 1;
+    watch = interrupt_again;
+    assert_int_equal(vdna_map_list(made->path, 2, NULL, files, &count), VDNA_OK);
+    watch = NULL;
+    assert_true(replacement.reads_left < -1); /* two listings more */
+    assert_string_equal(files[1].file, "winter.vdna.staged");
+}
+
+static void a_call_that_is_refused_while_a_map_is_read_is_an_error(void **state)
+{
+    static const struct {
+        const char *call;
+        int refusal;
+        vdna_status expected;
+        const char *reason;
+    } cases[] = {
+        {"opendir", EACCES, VDNA_ERR_IO, ": cannot read the directory: Permission denied"},
+        {"readdir", EIO, VDNA_ERR_IO, ": cannot read the directory: Input/output error"},
+        {"openat", EMFILE, VDNA_ERR_IO, ": cannot open: Too many open files"},
+        {"fstat", EIO, VDNA_ERR_IO, ": cannot examine: Input/output error"},
+        {"malloc", ENOMEM, VDNA_ERR_NOMEM, "no memory left"},
+        {"realloc", ENOMEM, VDNA_ERR_NOMEM, "no memory left"},
+    };
+    static const char *const names[] = {"night"};
+    const directory *made = *state;
+    write_as(made, "a.vdna", "a", sample_experience());
+    write_as(made, "b.vdna", "b", sample_experience());
+    write_as(made, "night.vdna.staged", "night", sample_experience());
+    interrupt(made, names, 1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        unsigned errors = 0;
+        for (int calls = 0, was = 1; was; calls++) {
+            vdna_experience map[3] = {{.file_bytes = NULL}};
+            vdna_error error = {""};
+            uint32_t count = 77;
+            refuse(cases[i].call, calls, cases[i].refusal);
+            const vdna_status status = vdna_map_open(made->path, 3, &error, map, &count);
+            was = was_refused();
+            if (status != VDNA_OK) {
+                assert_int_equal(status, cases[i].expected);
+                assert_non_null(strstr(error.text, cases[i].reason));
+                assert_non_null(strstr(error.text, made->path));
+                assert_int_equal(count, 77);
+                errors++;
+            }
+            for (size_t e = 0; e < 3; e++) {
+                assert_int_equal(map[e].file_bytes != NULL, status == VDNA_OK);
+                vdna_experience_close(&map[e]);
+            }
+            assert_in_range(calls, 0, 200);
+        }
+        assert_true(errors > 0);
+    }
+}
+
 int main(void)
 {
 #define CASE(test) cmocka_unit_test_setup_teardown(test, set_up_directory, tear_down_directory)
@@ -193,6 +491,18 @@ int main(void)
         CASE(two_experiences_of_one_name_are_refused),
         CASE(one_bad_file_refuses_the_map_and_is_named),
         CASE(an_experience_that_does_not_compare_refuses_the_map),
+        CASE(files_are_listed_in_the_byte_order_of_their_names),
+        CASE(a_list_without_a_place_is_refused),
+        CASE(an_interrupted_update_is_read_in_all_its_states),
+        CASE(an_interrupted_update_may_be_all_of_a_map),
+        CASE(an_experience_of_an_interrupted_update_that_is_gone_is_named),
+        CASE(a_damaged_staged_file_is_named),
+        CASE(a_link_to_an_experience_is_one_and_a_broken_one_is_named),
+        CASE(a_file_that_another_tool_replaces_meanwhile_is_read_again),
+        CASE(a_file_that_was_there_for_a_moment_is_not_part_of_the_map),
+        CASE(files_stay_open_until_the_map_is_listed_again),
+        CASE(a_journal_that_another_one_replaces_meanwhile_is_read_again),
+        CASE(a_call_that_is_refused_while_a_map_is_read_is_an_error),
         cmocka_unit_test(a_comparison_names_the_first_field_that_differs),
         cmocka_unit_test(names_lengths_and_labels_may_differ),
     };

@@ -1,5 +1,5 @@
-/* Experience files when the operating system refuses: errors that no real file system gives on
- * demand are given by stand-ins for its calls (see CMakeLists.txt). */
+/* Experience files when the operating system refuses: stand-ins for its calls give the errors that
+ * no real file system gives on demand (see CMakeLists.txt). */
 #define _POSIX_C_SOURCE 200809L
 #include "map_files.h"
 #include <errno.h>
@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-/* What the next calls of one function give: an errno each, where 0 is the real call. */
+/* Results of the next calls of one function: an errno each; 0 = the real call. */
 static struct {
     const char *function;
     int errnos[3];
@@ -27,7 +27,7 @@ static void let(const char *function, int first, int second, int third)
     script.calls = 0;
 }
 
-/* @return whether this call of a function is to fail; errno then says how */
+/* @return whether this call of a function is to fail; errno is then set */
 static int fails(const char *function)
 {
     if (!script.function || strcmp(script.function, function) != 0 || script.calls == 3)
@@ -131,7 +131,7 @@ static void a_directory_that_does_not_reach_the_disk_is_named(void **state)
     assert_name(path, "winter");
 }
 
-static void a_directory_that_cannot_be_synced_by_its_nature_is_well(void **state)
+static void a_directory_that_does_not_support_sync_is_accepted(void **state)
 {
     const char *path = path_in(*state, "a.vdna");
     let("fsync", 0, EINVAL, 0);
@@ -148,7 +148,7 @@ int main(void)
         CASE(a_signal_during_a_write_does_no_harm),
         CASE(a_file_that_does_not_reach_the_disk_leaves_the_old_one),
         CASE(a_directory_that_does_not_reach_the_disk_is_named),
-        CASE(a_directory_that_cannot_be_synced_by_its_nature_is_well),
+        CASE(a_directory_that_does_not_support_sync_is_accepted),
     };
     return cmocka_run_group_tests_name("map_refusals", tests, NULL, NULL);
 }

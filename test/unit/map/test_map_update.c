@@ -1,111 +1,12 @@
 /* Updates of a map: several experience files that appear together or not at all, whatever happens.
- * The system calls that change a directory are counted by stand-ins (see CMakeLists.txt), so that a
- * writer can be ended, or refused, at any of them. */
+ * A writer is ended, or refused, at each of its system calls. */
 #define _DEFAULT_SOURCE
-#include <errno.h>
 #include <fcntl.h>
 #include <sys/file.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
 
-#include "cmocka_all.h"
-#include "map_files.h"
-
-/* What becomes of the call whose turn it is. */
-enum { GOES_ON, ENDS_THE_PROCESS, IS_REFUSED };
-
-static struct {
-    int calls_left, fate;
-} script = {-1, GOES_ON};
-
-static int is_refused(void)
-{
-    if (script.calls_left < 0 || script.calls_left-- > 0)
-        return 0;
-    if (script.fate == ENDS_THE_PROCESS)
-        _exit(9);
-    errno = EIO;
-    return script.fate == IS_REFUSED;
-}
-
-ssize_t __real_write(int descriptor, const void *bytes, size_t size);
-ssize_t __wrap_write(int descriptor, const void *bytes, size_t size);
-ssize_t __wrap_write(int descriptor, const void *bytes, size_t size)
-{
-    return is_refused() ? -1 : __real_write(descriptor, bytes, size);
-}
-
-int __real_fsync(int descriptor);
-int __wrap_fsync(int descriptor);
-int __wrap_fsync(int descriptor)
-{
-    return is_refused() ? -1 : __real_fsync(descriptor);
-}
-
-int __real_renameat(int from, const char *old, int to, const char *new);
-int __wrap_renameat(int from, const char *old, int to, const char *new);
-int __wrap_renameat(int from, const char *old, int to, const char *new)
-{
-    return is_refused() ? -1 : __real_renameat(from, old, to, new);
-}
-
-int __real_unlinkat(int where, const char *name, int flags);
-int __wrap_unlinkat(int where, const char *name, int flags);
-int __wrap_unlinkat(int where, const char *name, int flags)
-{
-    return is_refused() ? -1 : __real_unlinkat(where, name, flags);
-}
-
-static const char *const names[] = {"night", "summer", "winter"};
-enum { NAMES = 3 };
-
-/* One of the three, whose first embedding tells which update wrote it. */
-static vdna_experience experience_of(const char *name, float version, float *embeddings)
-{
-    vdna_experience e = sample_experience();
-    memcpy(embeddings, e.embeddings, sizeof(float) * e.frames * e.identity.dim);
-    embeddings[0] = version;
-    e.embeddings = embeddings;
-    strcpy(e.name, name);
-    return e;
-}
-
-/* Write all three in one update. */
-static vdna_status update_all(const char *path, float version, vdna_error *error)
-{
-    vdna_map_update *update;
-    vdna_status status = vdna_map_update_open(path, error, &update);
-    if (status != VDNA_OK)
-        return status;
-    for (int i = 0; i < NAMES && status == VDNA_OK; i++) {
-        float embeddings[64];
-        const vdna_experience e = experience_of(names[i], version, embeddings);
-        status = vdna_map_update_add(update, &e, error);
-    }
-    if (status == VDNA_OK)
-        status = vdna_map_update_commit(update, error);
-    vdna_map_update_close(update);
-    return status;
-}
-
-/* The update that all three are from; fails if they are from different ones. */
-static float version_of(const char *path)
-{
-    vdna_experience open[NAMES];
-    uint32_t count = 0;
-    vdna_error error = {""};
-    const vdna_status status = vdna_map_open(path, NAMES, &error, open, &count);
-    if (status != VDNA_OK)
-        fail_msg("%s", error.text);
-    assert_int_equal(count, NAMES);
-    const float version = open[0].embeddings[0];
-    for (uint32_t i = 0; i < count; i++) {
-        assert_string_equal(open[i].name, names[i]);
-        assert_true(open[i].embeddings[0] == version);
-        vdna_experience_close(&open[i]);
-    }
-    return version;
-}
+#include "journal.h"
+#include "map_versions.h"
+#include "watched_calls.h"
 
 static void the_files_of_an_update_appear_together(void **state)
 {
@@ -147,13 +48,22 @@ static void a_directory_in_the_way_of_one_file_leaves_the_map_as_it_was(void **s
     assert_int_equal(rmdir(path_in(made, "winter.vdna")), 0);
 }
 
+static int calls_left;
+
+static int end_the_process(const char *function)
+{
+    if (calls_left-- == 0)
+        _exit(9);
+    return skip_the_disk(function);
+}
+
 /* Run an update in a process that ends at its n-th call. @return whether it came to its end */
 static int survives(const char *path, float version, int calls)
 {
     const pid_t child = fork();
     if (child == 0) {
-        script.calls_left = calls;
-        script.fate = ENDS_THE_PROCESS;
+        calls_left = calls;
+        watch = end_the_process;
         _exit(update_all(path, version, NULL) == VDNA_OK ? 0 : 1);
     }
     int status;
@@ -166,16 +76,20 @@ static void a_writer_killed_at_any_call_leaves_the_old_map_or_the_new_one(void *
 {
     const directory *made = *state;
     float version = 1;
+    watch = skip_the_disk;
     assert_int_equal(update_all(made->path, version, NULL), VDNA_OK);
     int old = 0, new = 0, calls = 0;
     for (; !survives(made->path, version + 1, calls); calls++) {
         const float found = version_of(made->path);
         assert_true(found == version || found == version + 1);
         *(found == version ? &old : &new) += 1;
-        version = found;
+        /* Begin the next one where nothing is left behind. */
+        version += 2;
+        assert_int_equal(update_all(made->path, version, NULL), VDNA_OK);
     }
+    watch = NULL;
     assert_true(version_of(made->path) == version + 1);
-    /* Both happen, so the point of no return lies between; and nothing is left behind. */
+    /* Both outcomes occur, so the point of no return lies between; nothing is left behind. */
     assert_true(old > 10 && new > 3);
     assert_int_equal(files_in(made->path), NAMES);
 }
@@ -186,12 +100,10 @@ static void a_call_that_is_refused_leaves_the_old_map_or_the_new_one(void **stat
     float version = 1;
     vdna_status status = VDNA_ERR_IO;
     assert_int_equal(update_all(made->path, version, NULL), VDNA_OK);
-    for (int calls = 0; calls < 100; calls++) {
-        script.calls_left = calls;
-        script.fate = IS_REFUSED;
+    for (int calls = 0; calls < 1000; calls++) {
+        refuse(NULL, calls, EIO);
         status = update_all(made->path, version + 1, NULL);
-        const int came_to_it = script.calls_left < 0;
-        script.calls_left = -1;
+        const int came_to_it = was_refused();
         const float found = version_of(made->path);
         assert_true(found == version + 1 || (found == version && status != VDNA_OK));
         version = found;
@@ -217,7 +129,7 @@ static void a_map_has_one_writer_at_a_time(void **state)
     vdna_map_update_close(second);
 }
 
-static void the_leavings_of_crashed_writers_are_removed_and_those_of_live_ones_are_not(void **state)
+static void leftovers_of_crashed_writers_are_removed_and_files_of_live_ones_are_not(void **state)
 {
     const directory *made = *state;
     vdna_map_update *update;
@@ -276,9 +188,253 @@ static void arguments_that_are_missing_are_refused(void **state)
     assert_int_equal(vdna_map_update_add(update, NULL, NULL), VDNA_ERR_ARG);
     assert_int_equal(vdna_map_update_add(update, &e, NULL), VDNA_OK);
     assert_int_equal(vdna_map_update_add(update, &e, NULL), VDNA_OK);
-    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_ERR_ARG); /* twice the same */
+    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_ERR_ARG); /* the same twice */
     vdna_map_update_close(update);
     assert_int_equal(files_in(made->path), 0);
+}
+
+/* Begin an update of `path` and add winter of one version. */
+static vdna_map_update *begin(const char *path, float version)
+{
+    float embeddings[64];
+    vdna_map_update *update = NULL;
+    const vdna_experience e = experience_of("winter", version, embeddings);
+    assert_int_equal(vdna_map_update_open(path, NULL, &update), VDNA_OK);
+    assert_int_equal(vdna_map_update_add(update, &e, NULL), VDNA_OK);
+    return update;
+}
+
+static void assert_winter(const directory *made, float version)
+{
+    vdna_experience winter;
+    uint32_t count;
+    assert_int_equal(vdna_map_open(made->path, 1, NULL, &winter, &count), VDNA_OK);
+    assert_true(winter.embeddings[0] == version);
+    vdna_experience_close(&winter);
+}
+
+static void an_update_of_nothing_changes_nothing(void **state)
+{
+    const directory *made = *state;
+    vdna_map_update *update;
+    assert_int_equal(vdna_map_update_open(made->path, NULL, &update), VDNA_OK);
+    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_OK);
+    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_OK);
+    vdna_map_update_close(update);
+    assert_int_equal(files_in(made->path), 0);
+}
+
+static void an_update_is_committed_once(void **state)
+{
+    const directory *made = *state;
+    vdna_error error;
+    const vdna_experience e = sample_experience();
+    vdna_map_update *update = begin(made->path, 1);
+    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_OK);
+    assert_int_equal(vdna_map_update_commit(update, &error), VDNA_ERR_ARG);
+    assert_non_null(strstr(error.text, "this update has been committed; close it"));
+    assert_int_equal(vdna_map_update_add(update, &e, NULL), VDNA_ERR_ARG);
+    vdna_map_update_close(update);
+    assert_winter(made, 1);
+}
+
+/* What was committed and not finished belongs to the map, whoever tries again. */
+static void an_update_that_could_not_be_finished_is_finished_by_the_next(void **state)
+{
+    const directory *made = *state;
+    const vdna_experience e = sample_experience();
+    vdna_error error = {""};
+    vdna_map_update *update = begin(made->path, 1);
+    refuse("renameat", 1, EIO); /* the first is the journal's */
+    assert_int_equal(vdna_map_update_commit(update, &error), VDNA_ERR_IO);
+    assert_true(was_refused());
+    assert_non_null(strstr(error.text, "the update is final, and the next one"));
+    assert_winter(made, 1);
+    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_ERR_ARG);
+    assert_int_equal(vdna_map_update_add(update, &e, NULL), VDNA_ERR_ARG);
+    vdna_map_update_close(update);
+    assert_winter(made, 1);
+    assert_int_not_equal(access(path_in(made, "winter.vdna"), F_OK), 0);
+    assert_int_equal(vdna_map_update_open(made->path, NULL, &update), VDNA_OK);
+    vdna_map_update_close(update);
+    assert_winter(made, 1);
+    assert_int_equal(access(path_in(made, "winter.vdna"), F_OK), 0);
+}
+
+static void a_commit_that_failed_before_it_was_final_can_be_tried_again(void **state)
+{
+    const directory *made = *state;
+    vdna_error error = {""};
+    vdna_map_update *update = begin(made->path, 1);
+    refuse("renameat", 0, EIO);
+    assert_int_equal(vdna_map_update_commit(update, &error), VDNA_ERR_IO);
+    assert_true(was_refused());
+    assert_non_null(strstr(error.text, "the map is unchanged"));
+    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_OK);
+    vdna_map_update_close(update);
+    assert_winter(made, 1);
+}
+
+static void what_was_added_and_is_gone_leaves_the_map_as_it_was(void **state)
+{
+    const directory *made = *state;
+    vdna_error error = {""};
+    vdna_map_update *update = begin(made->path, 1);
+    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_OK);
+    vdna_map_update_close(update);
+    update = begin(made->path, 2);
+    assert_int_equal(unlink(path_in(made, "winter.vdna.staged")), 0);
+    assert_int_equal(vdna_map_update_commit(update, &error), VDNA_ERR_IO);
+    assert_non_null(strstr(error.text, "winter.vdna.staged: cannot find what was added: No such"));
+    vdna_map_update_close(update);
+    assert_winter(made, 1);
+}
+
+static void an_update_stays_in_its_directory(void **state)
+{
+    const directory *made = *state;
+    char before[512];
+    float embeddings[64];
+    vdna_map_update *update = NULL;
+    const vdna_experience e = experience_of("winter", 1, embeddings);
+    assert_non_null(getcwd(before, sizeof before));
+    assert_int_equal(chdir(made->path), 0);
+    assert_int_equal(vdna_map_update_open(".", NULL, &update), VDNA_OK);
+    assert_int_equal(chdir(before), 0);
+    assert_int_equal(vdna_map_update_add(update, &e, NULL), VDNA_OK);
+    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_OK);
+    vdna_map_update_close(update);
+    assert_winter(made, 1);
+}
+
+static void an_experience_that_nobody_would_find_is_refused(void **state)
+{
+    const directory *made = *state;
+    vdna_error error;
+    vdna_map_update *update;
+    vdna_experience e = sample_experience();
+    assert_int_equal(vdna_map_update_open(made->path, NULL, &update), VDNA_OK);
+    strcpy(e.name, ".winter");
+    assert_int_equal(vdna_map_update_add(update, &e, &error), VDNA_ERR_ARG);
+    assert_non_null(strstr(error.text, "a name that begins with '.' hides its file"));
+    strcpy(e.name, "win/ter");
+    assert_int_equal(vdna_map_update_add(update, &e, &error), VDNA_ERR_ARG);
+    memset(e.name, 'a', sizeof e.name);
+    assert_int_equal(vdna_map_update_add(update, &e, &error), VDNA_ERR_ARG);
+    vdna_map_update_close(update);
+    assert_int_equal(files_in(made->path), 0);
+}
+
+static void an_update_has_as_many_experiences_as_a_journal(void **state)
+{
+    const directory *made = *state;
+    vdna_error error;
+    vdna_map_update *update;
+    vdna_experience e = sample_experience();
+    watch = skip_the_disk;
+    assert_int_equal(vdna_map_update_open(made->path, NULL, &update), VDNA_OK);
+    for (unsigned i = 0; i < VDNA_JOURNAL_NAMES_MAX; i++) {
+        snprintf(e.name, sizeof e.name, "%u", i);
+        assert_int_equal(vdna_map_update_add(update, &e, NULL), VDNA_OK);
+    }
+    assert_int_equal(vdna_map_update_add(update, &e, &error), VDNA_ERR_ARG);
+    assert_non_null(strstr(error.text, "at most 4096 experiences in one update"));
+    vdna_map_update_close(update);
+    watch = NULL;
+    assert_int_equal(files_in(made->path), 0);
+}
+
+static void a_crash_while_a_journal_is_made_leaves_nothing_for_long(void **state)
+{
+    const directory *made = *state;
+    vdna_map_update *update;
+    save_file(path_in(made, ".commit.0.partial"), "vdna-", 5);
+    save_file(path_in(made, "winter.vdna.staged"), "x", 1);
+    save_file(path_in(made, "winter.vdna.partial"), "not ours", 8);
+    assert_int_equal(vdna_map_update_open(made->path, NULL, &update), VDNA_OK);
+    vdna_map_update_close(update);
+    assert_int_not_equal(access(path_in(made, ".commit.0.partial"), F_OK), 0);
+    assert_int_not_equal(access(path_in(made, "winter.vdna.staged"), F_OK), 0);
+    assert_int_equal(access(path_in(made, "winter.vdna.partial"), F_OK), 0);
+}
+
+/* An interrupted update is older than an experience that is written on its own. */
+static void one_experience_is_written_after_an_interrupted_update_is_finished(void **state)
+{
+    const directory *made = *state;
+    vdna_error error = {""};
+    float embeddings[64];
+    const vdna_experience e = experience_of("winter", 2, embeddings);
+    vdna_map_update *update = begin(made->path, 1);
+    refuse("renameat", 1, EIO);
+    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_ERR_IO);
+    assert_true(was_refused());
+    const char *path = path_in(made, "winter.vdna");
+    assert_int_equal(vdna_experience_write(&e, path, &error), VDNA_ERR_IO);
+    assert_non_null(strstr(error.text, "another program is changing this map"));
+    assert_winter(made, 1);
+    vdna_map_update_close(update);
+    assert_int_equal(vdna_experience_write(&e, path, NULL), VDNA_OK);
+    assert_winter(made, 2);
+    assert_int_equal(vdna_map_update_open(made->path, NULL, &update), VDNA_OK);
+    vdna_map_update_close(update);
+    assert_winter(made, 2);
+    assert_int_equal(files_in(made->path), 1);
+}
+
+static void without_locks_a_map_is_updated_all_the_same(void **state)
+{
+    const directory *made = *state;
+    refuse("flock", 0, ENOLCK);
+    vdna_map_update *update = begin(made->path, 1);
+    assert_true(was_refused());
+    assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_OK);
+    vdna_map_update_close(update);
+    assert_winter(made, 1);
+}
+
+static void a_call_that_an_update_cannot_do_without_is_named(void **state)
+{
+    static const struct {
+        const char *call;
+        int refusal;
+        vdna_status expected;
+        const char *reason;
+    } cases[] = {
+        {"calloc", ENOMEM, VDNA_ERR_NOMEM, "no memory left"},
+        {"realloc", ENOMEM, VDNA_ERR_NOMEM, "winter.vdna: no memory left"},
+        {"fsync", EIO, VDNA_ERR_IO, ": cannot fsync this directory: Input/output error"},
+        {"openat", EACCES, VDNA_ERR_IO, ".commit: cannot open: Permission denied"},
+        {"write", ENOSPC, VDNA_ERR_IO, "winter.vdna: cannot write: No space left on device"},
+    };
+    const directory *made = *state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        vdna_error error = {""};
+        float embeddings[64];
+        const vdna_experience e = experience_of("winter", 1, embeddings);
+        vdna_map_update *update = NULL;
+        refuse(cases[i].call, 0, cases[i].refusal);
+        vdna_status status = vdna_map_update_open(made->path, &error, &update);
+        if (status == VDNA_OK)
+            status = vdna_map_update_add(update, &e, &error);
+        assert_true(was_refused());
+        assert_int_equal(status, cases[i].expected);
+        assert_non_null(strstr(error.text, cases[i].reason));
+        assert_non_null(strstr(error.text, made->path));
+        vdna_map_update_close(update);
+        assert_int_equal(files_in(made->path), 0);
+    }
+}
+
+static void a_path_that_is_too_long_is_refused(void **state)
+{
+    vdna_error error;
+    vdna_map_update *update;
+    static char path[5000];
+    (void)state;
+    memset(path, 'a', sizeof path - 1);
+    assert_int_equal(vdna_map_update_open(path, &error, &update), VDNA_ERR_IO);
+    assert_non_null(strstr(error.text, "aaa...: the path is too long"));
 }
 
 int main(void)
@@ -291,9 +447,23 @@ int main(void)
         CASE(a_writer_killed_at_any_call_leaves_the_old_map_or_the_new_one),
         CASE(a_call_that_is_refused_leaves_the_old_map_or_the_new_one),
         CASE(a_map_has_one_writer_at_a_time),
-        CASE(the_leavings_of_crashed_writers_are_removed_and_those_of_live_ones_are_not),
+        CASE(leftovers_of_crashed_writers_are_removed_and_files_of_live_ones_are_not),
         CASE(a_damaged_journal_is_named),
         CASE(arguments_that_are_missing_are_refused),
+        CASE(an_update_of_nothing_changes_nothing),
+        CASE(an_update_is_committed_once),
+        CASE(an_update_that_could_not_be_finished_is_finished_by_the_next),
+        CASE(a_commit_that_failed_before_it_was_final_can_be_tried_again),
+        CASE(what_was_added_and_is_gone_leaves_the_map_as_it_was),
+        CASE(an_update_stays_in_its_directory),
+        CASE(an_experience_that_nobody_would_find_is_refused),
+        cmocka_unit_test_setup_teardown(an_update_has_as_many_experiences_as_a_journal,
+                                        set_up_directory_in_memory, tear_down_directory),
+        CASE(a_crash_while_a_journal_is_made_leaves_nothing_for_long),
+        CASE(one_experience_is_written_after_an_interrupted_update_is_finished),
+        CASE(without_locks_a_map_is_updated_all_the_same),
+        CASE(a_call_that_an_update_cannot_do_without_is_named),
+        cmocka_unit_test(a_path_that_is_too_long_is_refused),
     };
     return cmocka_run_group_tests_name("map_update", tests, NULL, NULL);
 }

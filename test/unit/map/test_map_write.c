@@ -37,7 +37,7 @@ static void assert_not_written(const directory *made, const vdna_experience *e,
     assert_int_equal(files_in(made->path), 0);
 }
 
-static void what_breaks_a_rule_is_not_written(void **state)
+static void an_experience_that_breaks_a_rule_is_not_written(void **state)
 {
     const vdna_experience sample = sample_experience();
     const uint32_t mass[3] = {8, 9, 2};
@@ -157,7 +157,7 @@ static void a_killed_writer_leaves_the_old_file(void **state)
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGXFSZ);
 
-    /* The part that was written is there, and is no experience of the map. */
+    /* The written part is there, and is no experience of the map. */
     uint32_t count;
     assert_int_equal(files_in(((const directory *)*state)->path), 2);
     assert_int_equal(vdna_map_count(((const directory *)*state)->path, NULL, &count), VDNA_OK);
@@ -179,7 +179,7 @@ static void the_partial_file_of_another_writer_is_left_alone(void **state)
     assert_int_equal(files_in(made->path), 2);
 }
 
-static void the_leavings_of_a_hundred_crashes_are_named(void **state)
+static void the_leftovers_of_a_hundred_crashes_are_named(void **state)
 {
     const directory *made = *state;
     const vdna_experience e = sample_experience();
@@ -249,7 +249,7 @@ static void a_read_only_directory_is_named(void **state)
     const directory *made = *state;
     const vdna_experience e = sample_experience();
     vdna_error error;
-    /* root may write anywhere: be somebody else meanwhile. */
+    /* root may write anywhere: become another user meanwhile. */
     const uid_t user = geteuid();
     assert_int_equal(chmod(made->path, 0555), 0);
     assert_int_equal(user == 0 ? seteuid(65534) : 0, 0);
@@ -302,13 +302,13 @@ int main(void)
 {
 #define CASE(test) cmocka_unit_test_setup_teardown(test, set_up_directory, tear_down_directory)
     const struct CMUnitTest tests[] = {
-        CASE(what_breaks_a_rule_is_not_written),
+        CASE(an_experience_that_breaks_a_rule_is_not_written),
         CASE(a_name_has_letters_digits_and_three_marks_only),
         CASE(preprocessing_is_printable_ascii),
         CASE(counts_of_many_neurons_are_all_added_up),
         CASE(a_killed_writer_leaves_the_old_file),
         CASE(the_partial_file_of_another_writer_is_left_alone),
-        CASE(the_leavings_of_a_hundred_crashes_are_named),
+        CASE(the_leftovers_of_a_hundred_crashes_are_named),
         CASE(a_full_disk_leaves_the_old_file_and_no_other),
         CASE(a_place_that_cannot_be_written_is_named),
         cmocka_unit_test(a_path_that_is_too_long_is_refused),

@@ -1,4 +1,4 @@
-"""Tests of models/torch_file.py. The files are written here by pickling a stand-in for PyTorch."""
+"""Tests of models/torch_file.py. A stand-in for PyTorch is pickled to make the files."""
 import io
 import pickle
 import struct
@@ -16,11 +16,11 @@ from torch_file import MAGIC, PROTOCOL, read_state_dict  # noqa: E402
 
 
 def _rebuild_tensor_v2():
-    """What PyTorch names in a pickle to stand for a tensor."""
+    """Stands for a tensor, under the name that PyTorch pickles."""
 
 
 class FloatStorage:
-    """What PyTorch names in a pickle to stand for float elements."""
+    """Stands for float elements, under the name that PyTorch pickles."""
 
 
 _rebuild_tensor_v2.__module__ = "torch._utils"

@@ -1,4 +1,5 @@
 // Decoding: every pixel format gives the picture, and bytes that are none are refused.
+#include <algorithm>
 #include <cstring>
 #include <functional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "failure.hpp"
 #include "picture/decode.hpp"
 #include "picture/mean_grey.hpp"
+#include "picture/pixel_formats.hpp"
 
 using namespace vdna;
 using picture::Decoder;
@@ -107,6 +109,32 @@ static Bytes nv12(int padding)
     return bytes;
 }
 
+// A colour format, how it is tried: rows of `row` bytes (of luma, where it has planes) that
+// make_bytes writes with `padding` after each, how far from the picture a pixel may be, and the
+// cv:: conversion whose bits it must have.
+struct Trial {
+    uint32_t fourcc;
+    int row;
+    std::function<Bytes(int padding)> make_bytes;
+    int tolerance = 0;
+    int conversion = -1;
+};
+
+// Rounding to YUV and back costs 2 levels; chroma of the neighbour up to 4 * 1.6 more.
+static const std::vector<Trial> trials = {
+    {VDNA_PIXEL_RGB3, 3 * width, [](int padding) { return packed(3, false, padding); }},
+    {VDNA_PIXEL_BGR3, 3 * width, [](int padding) { return packed(3, true, padding); }},
+    {VDNA_PIXEL_RGB4, 4 * width, [](int padding) { return packed(4, false, padding); }},
+    {VDNA_PIXEL_BGR4, 4 * width, [](int padding) { return packed(4, true, padding); }},
+    {VDNA_PIXEL_YUYV, 2 * width, [](int padding) { return yuv422(false, padding); }, 6,
+     cv::COLOR_YUV2BGR_YUYV},
+    {VDNA_PIXEL_UYVY, 2 * width, [](int padding) { return yuv422(true, padding); }, 6,
+     cv::COLOR_YUV2BGR_UYVY},
+    {VDNA_PIXEL_I420, width, i420, 9, cv::COLOR_YUV2BGR_I420},
+    {VDNA_PIXEL_YU12, width, i420, 9, cv::COLOR_YUV2BGR_I420},
+    {VDNA_PIXEL_NV12, width, nv12, 9, cv::COLOR_YUV2BGR_NV12},
+};
+
 static Bytes encoded(const char *extension)
 {
     Bytes bytes;
@@ -114,7 +142,7 @@ static Bytes encoded(const char *extension)
     return bytes;
 }
 
-// No channel of no pixel is further than `tolerance` from the picture.
+// Every channel of every pixel is within `tolerance` of the picture.
 static void assert_is_the_picture(const vdna_image &image, int tolerance)
 {
     Decoder decoder;
@@ -147,34 +175,31 @@ static std::string refusal(const vdna_image &image, vdna_status status,
     return "";
 }
 
-static void rgb_formats_give_exactly_the_picture(void **)
+static void every_colour_format_is_tried(void **)
 {
-    for (const int padding : {0, 5}) {
-        const auto stride = [&](int channels) {
-            return static_cast<uint32_t>(padding ? channels * width + padding : 0);
-        };
-        const Bytes rgb3 = packed(3, false, padding), bgr3 = packed(3, true, padding);
-        const Bytes rgb4 = packed(4, false, padding), bgr4 = packed(4, true, padding);
-        assert_is_the_picture(image_of(rgb3, VDNA_PIXEL_RGB3, stride(3)), 0);
-        assert_is_the_picture(image_of(bgr3, VDNA_PIXEL_BGR3, stride(3)), 0);
-        assert_is_the_picture(image_of(rgb4, VDNA_PIXEL_RGB4, stride(4)), 0);
-        assert_is_the_picture(image_of(bgr4, VDNA_PIXEL_BGR4, stride(4)), 0);
+    for (const picture::PixelFormat &format : picture::pixel_formats) {
+        const bool is_colour =
+            format.arrangement != picture::Arrangement::jpeg && format.channels != 1;
+        const auto tried = std::count_if(trials.begin(), trials.end(), [&](const Trial &trial) {
+            return trial.fourcc == format.fourcc;
+        });
+        if (tried != is_colour)
+            fail_msg("%.4s: has %d trials, expected %d",
+                     reinterpret_cast<const char *>(&format.fourcc), static_cast<int>(tried),
+                     is_colour);
     }
 }
 
-static void yuv_formats_give_the_picture_with_and_without_padding(void **)
+static void every_colour_format_gives_the_picture_with_and_without_padding(void **)
 {
-    // Rounding to YUV and back costs 2 levels; chroma of the neighbour up to 4 * 1.6 more.
-    for (const int padding : {0, 2, 6}) {
-        const auto stride = [&](int row) { return static_cast<uint32_t>(padding ? row : 0); };
-        const Bytes yuyv = yuv422(false, padding), uyvy = yuv422(true, padding);
-        assert_is_the_picture(image_of(yuyv, VDNA_PIXEL_YUYV, stride(2 * width + padding)), 6);
-        assert_is_the_picture(image_of(uyvy, VDNA_PIXEL_UYVY, stride(2 * width + padding)), 6);
-        const Bytes planes = i420(padding), halves = nv12(padding);
-        assert_is_the_picture(image_of(planes, VDNA_PIXEL_I420, stride(width + padding)), 9);
-        assert_is_the_picture(image_of(planes, VDNA_PIXEL_YU12, stride(width + padding)), 9);
-        assert_is_the_picture(image_of(halves, VDNA_PIXEL_NV12, stride(width + padding)), 9);
-    }
+    for (const Trial &trial : trials)
+        for (const int padding : {0, 2, 5, 6}) {
+            if (trial.row == width && padding % 2 != 0)
+                continue; // 4:2:0 has an even stride
+            const Bytes bytes = trial.make_bytes(padding);
+            const auto stride = static_cast<uint32_t>(padding ? trial.row + padding : 0);
+            assert_is_the_picture(image_of(bytes, trial.fourcc, stride), trial.tolerance);
+        }
 }
 
 // Bytes of every kind: the ends of the range, and all between.
@@ -191,59 +216,57 @@ static Bytes noise(size_t count)
 }
 
 // What OpenCV makes of packed 4:2:2, or of 4:2:0 whose padding belongs to the picture.
-static cv::Mat by_opencv(const Bytes &bytes, cv::Size size, size_t stride, uint32_t pixelformat)
+static cv::Mat by_opencv(const Bytes &bytes, cv::Size size, size_t stride, const Trial &trial)
 {
-    const bool is_packed = pixelformat == VDNA_PIXEL_YUYV || pixelformat == VDNA_PIXEL_UYVY;
-    const int conversion = pixelformat == VDNA_PIXEL_YUYV   ? cv::COLOR_YUV2BGR_YUYV
-                           : pixelformat == VDNA_PIXEL_UYVY ? cv::COLOR_YUV2BGR_UYVY
-                           : pixelformat == VDNA_PIXEL_NV12 ? cv::COLOR_YUV2BGR_NV12
-                                                            : cv::COLOR_YUV2BGR_I420;
     auto *const data = const_cast<uint8_t *>(bytes.data());
     const cv::Mat raw =
-        is_packed ? cv::Mat(size, CV_8UC2, data, stride)
-                  : cv::Mat(size.height * 3 / 2, static_cast<int>(stride), CV_8UC1, data, stride);
+        trial.row == 2 * width
+            ? cv::Mat(size, CV_8UC2, data, stride)
+            : cv::Mat(size.height * 3 / 2, static_cast<int>(stride), CV_8UC1, data, stride);
     cv::Mat bgr;
-    cv::cvtColor(raw, bgr, conversion);
+    cv::cvtColor(raw, bgr, trial.conversion);
     return bgr.colRange(0, size.width);
 }
 
-static void assert_as_opencv(const Bytes &bytes, cv::Size size, size_t stride, uint32_t pixelformat)
+static void assert_as_opencv(const Bytes &bytes, cv::Size size, size_t stride, const Trial &trial)
 {
-    const cv::Mat expected = by_opencv(bytes, size, stride, pixelformat);
+    const cv::Mat expected = by_opencv(bytes, size, stride, trial);
     const auto columns = static_cast<uint32_t>(size.width),
                rows = static_cast<uint32_t>(size.height);
     Decoder decoder(columns * rows);
     const vdna_pixels pixels = decoder.decode(
-        {bytes.data(), bytes.size(), columns, rows, static_cast<uint32_t>(stride), pixelformat});
+        {bytes.data(), bytes.size(), columns, rows, static_cast<uint32_t>(stride), trial.fourcc});
     assert_true((pixels.rgb[0] == 2 && pixels.rgb[1] == 1 && pixels.rgb[2] == 0));
     for (int y = 0; y < size.height; y++)
         if (std::memcmp(pixels.data + static_cast<size_t>(y) * pixels.stride, expected.ptr(y),
                         size_t{3} * columns) != 0)
             fail_msg("%.4s %dx%d, stride %zu: row %d is not what OpenCV gives",
-                     reinterpret_cast<const char *>(&pixelformat), size.width, size.height, stride,
+                     reinterpret_cast<const char *>(&trial.fourcc), size.width, size.height, stride,
                      y);
 }
 
 static void yuv_is_converted_as_opencv_does_to_the_last_bit(void **)
 {
-    const uint32_t formats[] = {VDNA_PIXEL_YUYV, VDNA_PIXEL_UYVY, VDNA_PIXEL_I420, VDNA_PIXEL_YU12,
-                                VDNA_PIXEL_NV12};
-    for (const uint32_t format : formats) {
-        const bool is_packed = format == VDNA_PIXEL_YUYV || format == VDNA_PIXEL_UYVY;
+    for (const Trial &trial : trials) {
+        if (trial.conversion < 0)
+            continue;
+        const int row = trial.row / width, planes = row == 1 ? 3 : 2; // halves of the height
         // Around the number of pixels that are converted at once, and beyond any vector.
         for (const int columns : {2, 4, 6, 8, 14, 30, 62, 64, 66, 126, 128, 130, 258, 640})
             for (const int rows : {2, 6})
                 for (const int padding : {0, 2, 10}) {
-                    const auto stride =
-                        static_cast<size_t>(columns * (is_packed ? 2 : 1) + padding);
-                    const auto lines = static_cast<size_t>(is_packed ? rows : rows * 3 / 2);
-                    assert_as_opencv(noise(stride * lines), {columns, rows}, stride, format);
+                    const auto stride = static_cast<size_t>(columns * row + padding);
+                    const auto lines = static_cast<size_t>(rows * planes / 2);
+                    assert_as_opencv(noise(stride * lines), {columns, rows}, stride, trial);
                 }
     }
 }
 
 static void every_colour_is_converted_as_opencv_does(void **)
 {
+    const Trial &yuyv = *std::find_if(trials.begin(), trials.end(), [](const Trial &trial) {
+        return trial.fourcc == VDNA_PIXEL_YUYV;
+    });
     // Every U with every V, each with 256 Y, in rows of one U and V.
     Bytes bytes(size_t{512} * 256);
     for (int u = 0; u < 256; u++) {
@@ -253,7 +276,7 @@ static void every_colour_is_converted_as_opencv_does(void **)
                 bytes[512 * v + 2 * y + 1] =
                     static_cast<uint8_t>(y % 2 ? v : static_cast<size_t>(u));
             }
-        assert_as_opencv(bytes, {256, 256}, 512, VDNA_PIXEL_YUYV);
+        assert_as_opencv(bytes, {256, 256}, 512, yuyv);
     }
 }
 
@@ -329,10 +352,11 @@ static void a_picture_of_one_pixel_too_many_is_refused_in_every_format(void **)
 {
     constexpr uint32_t pixels = width * height;
     const Bytes jpeg = encoded(".jpg"), raw(size_t{4} * pixels, 128);
-    std::vector<vdna_image> images = {image_of(jpeg, VDNA_PIXEL_MJPG)};
-    for (const uint32_t format : {VDNA_PIXEL_GREY, VDNA_PIXEL_RGB3, VDNA_PIXEL_BGR4,
-                                  VDNA_PIXEL_YUYV, VDNA_PIXEL_I420, VDNA_PIXEL_NV12})
-        images.push_back(image_of(raw, format));
+    std::vector<vdna_image> images;
+    for (const picture::PixelFormat &format : picture::pixel_formats) {
+        const bool is_jpeg = format.arrangement == picture::Arrangement::jpeg;
+        images.push_back(image_of(is_jpeg ? jpeg : raw, format.fourcc));
+    }
     for (const vdna_image &image : images) {
         Decoder decoder(pixels);
         const vdna_pixels decoded = decoder.decode(image);
@@ -340,7 +364,7 @@ static void a_picture_of_one_pixel_too_many_is_refused_in_every_format(void **)
         const std::string reason = refusal(image, VDNA_ERR_UNSUPPORTED, pixels - 1);
         assert_true(reason.find(std::to_string(pixels - 1)) != std::string::npos);
     }
-    // Padding is no pixel.
+    // Padding is not a pixel.
     Decoder(pixels).decode(image_of(raw, VDNA_PIXEL_I420, width + 2));
 }
 
@@ -368,15 +392,13 @@ static void no_picture_costs_an_allocation(void **)
 {
     const Bytes jpeg = encoded(".jpg"), raw(size_t{4} * width * height, 128);
     Decoder decoder(width * height);
-    const uint32_t formats[] = {VDNA_PIXEL_GREY, VDNA_PIXEL_RGB3, VDNA_PIXEL_BGR3, VDNA_PIXEL_RGB4,
-                                VDNA_PIXEL_BGR4, VDNA_PIXEL_YUYV, VDNA_PIXEL_UYVY, VDNA_PIXEL_I420,
-                                VDNA_PIXEL_YU12, VDNA_PIXEL_NV12};
     const size_t before = allocations;
-    for (const uint32_t format : formats)
+    for (const picture::PixelFormat &format : picture::pixel_formats)
         for (const uint32_t rows : {2u, uint32_t{height}})
             for (const uint32_t columns : {2u, uint32_t{width}})
-                picture::mean_grey(
-                    decoder.decode({raw.data(), raw.size(), columns, rows, 0, format}));
+                if (format.arrangement != picture::Arrangement::jpeg)
+                    picture::mean_grey(
+                        decoder.decode({raw.data(), raw.size(), columns, rows, 0, format.fourcc}));
     picture::mean_grey(decoder.decode(image_of(jpeg, VDNA_PIXEL_MJPG)));
     assert_int_equal(allocations, before);
 }
@@ -412,7 +434,7 @@ static void damaged_jpeg_is_refused(void **)
         refusal(image_of(cut, VDNA_PIXEL_ENCODED), VDNA_ERR_FORMAT);
     }
 
-    // A hole in the middle, as a lost piece of a message leaves it.
+    // A gap in the middle, as left by a lost piece of a message.
     Bytes hole = whole;
     const auto middle = hole.end() - 200;
     hole.erase(middle, middle + 100);
@@ -433,7 +455,7 @@ static void a_jpeg_that_claims_a_huge_picture_is_refused_unread(void **)
         frame += 2u + jpeg[frame + 2] * 256u + jpeg[frame + 3];
     put_be16(jpeg, frame + 5, 60000);
     refusal(image_of(jpeg, VDNA_PIXEL_MJPG), VDNA_ERR_UNSUPPORTED);
-    // Each side within its limit, both together not.
+    // Each side is within its limit, their product is not.
     put_be16(jpeg, frame + 5, 16384);
     put_be16(jpeg, frame + 7, 16384);
     refusal(image_of(jpeg, VDNA_PIXEL_MJPG), VDNA_ERR_UNSUPPORTED);
@@ -502,8 +524,8 @@ static void impossible_sides_and_strides_are_refused(void **)
 int main()
 {
     const CMUnitTest tests[] = {
-        cmocka_unit_test(rgb_formats_give_exactly_the_picture),
-        cmocka_unit_test(yuv_formats_give_the_picture_with_and_without_padding),
+        cmocka_unit_test(every_colour_format_is_tried),
+        cmocka_unit_test(every_colour_format_gives_the_picture_with_and_without_padding),
         cmocka_unit_test(yuv_is_converted_as_opencv_does_to_the_last_bit),
         cmocka_unit_test(every_colour_is_converted_as_opencv_does),
         cmocka_unit_test(colours_are_those_of_the_textbook),

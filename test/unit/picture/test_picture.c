@@ -69,7 +69,7 @@ static void arguments_out_of_range_are_refused(void **state)
 static void the_bound_of_memory_grows_by_nine_bytes_a_pixel(void **state)
 {
     (void)state;
-    /* 3 for the pixels, 6 for the coefficients of a progressive JPEG; the rest is some rows. */
+    /* 3 for the pixels, 6 for the coefficients of a progressive JPEG; the rest is a few rows. */
     const uint32_t pixels = 1920 * 1080;
     const uint64_t bytes = vdna_decoder_bytes_max(pixels);
     assert_in_range(bytes, 9u * pixels, 9u * pixels + (8u << 20));

@@ -1,5 +1,5 @@
-// Picture files: each kind gives the picture in a camera's format, and bytes that are none are
-// refused.
+// Picture files: each kind gives the picture in a camera's format, and bytes that are no picture
+// are refused.
 #include <cmocka.hpp>
 
 #include <cstring>
@@ -41,7 +41,7 @@ static Bytes encoded(const char *extension, const cv::Mat &pixels = bgr)
     return bytes;
 }
 
-// What a decoder makes of what a converter makes of a file.
+// A file, converted and then decoded.
 static cv::Mat decoded(const Bytes &bytes)
 {
     FileConverter converter;
@@ -135,7 +135,7 @@ static void sixteen_bits_keep_their_upper_eight(void **)
                             (deep.ptr<uint16_t>(y)[i] + 128) / 257);
 }
 
-// EXIF that says "turn by 90 degrees", as a TIFF file within whatever holds it.
+// EXIF that says "turn by 90 degrees", as a TIFF file within any container.
 static const std::string turned("MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0",
                                 26);
 
@@ -167,7 +167,7 @@ static void an_orientation_in_exif_is_not_applied(void **)
     Bytes png = encoded(".png");
     png.insert(png.begin() + 33, chunk.begin(), chunk.end());
     assert_pixels(decoded(png), bgr);
-    // OpenCV would have turned it: the file says so in a way that is understood.
+    // OpenCV would have turned it, so the orientation in the file is effective.
     assert_int_equal(cv::imdecode(png, cv::IMREAD_COLOR).rows, width);
 
     // JPEG: a segment APP1 after the first marker.

@@ -1,4 +1,4 @@
-// Resizing: by hand where pictures are small, beside OpenCV where they are not.
+// Resizing: small pictures by hand, others beside OpenCV.
 #include <cmocka.hpp>
 #include <counted_new.hpp>
 
@@ -22,7 +22,7 @@ static int random_from(int least, int most)
 
 static cv::Mat noise(cv::Size size, int channels)
 {
-    // Rows of a wider picture, so that they do not follow one another.
+    // Rows of a wider picture, so that they are not contiguous.
     cv::Mat wider(size.height, size.width + 3, CV_8UC(channels));
     for (int y = 0; y < wider.rows; y++)
         for (int i = 0; i < wider.cols * channels; i++) {
@@ -160,8 +160,8 @@ static void assert_as_opencv(const Way &way, cv::Size from, cv::Size to, int cha
     cv::Mat expected;
     cv::resize(picture, expected, to, 0, 0, way.opencv);
     const Difference found = between(resized(way.ours, picture, to), expected);
-    // Where `area` sums floats, in another order than OpenCV, one in a thousand may round
-    // otherwise.
+    // `area` may sum floats in another order than OpenCV, so one in a thousand may round
+    // differently.
     const bool is_whole = from.width % to.width == 0 && from.height % to.height == 0;
     const bool sums_floats = way.ours == Interpolation::area && !is_whole &&
                              from.width >= to.width && from.height >= to.height;

@@ -1,4 +1,4 @@
-// Pictures within a report: what is shown, and what becomes of files that are gone or no pictures.
+// Pictures within a report, and files that are missing or no pictures.
 #include "cmocka.hpp"
 #include "folder.hpp"
 #include "report/picture.hpp"

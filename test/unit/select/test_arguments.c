@@ -1,4 +1,4 @@
-/* What breaks a stated rule of lib/core or lib/select is refused, and nothing changes. */
+/* Arguments that break a stated rule of lib/core or lib/select are refused, and nothing changes. */
 #include <math.h>
 #include <string.h>
 #include <vdna/select.h>

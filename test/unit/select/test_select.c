@@ -43,7 +43,7 @@ static vdna_select *selector(vdna_select_config config)
     return select;
 }
 
-/* The mass of the live window, to be set to what no test has the time to count to. */
+/* The mass of the live window, to be set to values that no test has time to count to. */
 static uint32_t *live_mass(vdna_select *select)
 {
     vdna_hist_view live;
@@ -160,7 +160,7 @@ static void a_warmup_by_time_is_the_frames_before_first_plus_t(void **state)
     vdna_select *select = selector(by_time(1000));
     assert_int_equal(feed(select, 5000, 3.5f, 0).state, VDNA_SELECT_WARMUP);
     assert_int_equal(feed(select, 5999, 3.5f, 0).state, VDNA_SELECT_WARMUP);
-    /* The frame that ends the window is not in it, but is the first to be localised. */
+    /* The frame that ends the window is not in it, but is the first one localised. */
     const vdna_select_answer answer = feed(select, 6000, 0.5f, 6);
     assert_int_equal(answer.state, VDNA_SELECT_SELECTED);
     assert_int_equal(answer.newly_ranked, 1);
@@ -260,7 +260,7 @@ static void a_window_whose_counts_are_full_begins_anew(void **state)
     assert_int_equal(*live_mass(select), 0);
 }
 
-static void a_frame_is_not_localised_by_embeddings_that_are_no_numbers(void **state)
+static void embeddings_that_are_not_finite_localise_no_frame(void **state)
 {
     (void)state;
     const float broken[] = {1, NAN};
@@ -319,7 +319,7 @@ static void progress_runs_from_zero_to_one(void **state)
     feed(select, 600, 1, 0);
     assert_true(vdna_select_progress(select) == 0.5);
 
-    /* Frames of the window are less than T after its first, so that 1 is never passed. */
+    /* Frames of the window are less than T after its first, so progress never passes 1. */
     select = selector(by_time(INT64_MAX));
     feed(select, 0, 1, 0);
     feed(select, INT64_MAX - 1, 1, 0);
@@ -412,7 +412,7 @@ int main(void)
         cmocka_unit_test(a_refused_frame_changes_nothing_but_a_counter),
         cmocka_unit_test(a_window_that_is_too_large_to_rank_begins_anew),
         cmocka_unit_test(a_window_whose_counts_are_full_begins_anew),
-        cmocka_unit_test(a_frame_is_not_localised_by_embeddings_that_are_no_numbers),
+        cmocka_unit_test(embeddings_that_are_not_finite_localise_no_frame),
         cmocka_unit_test(a_reset_warms_up_again_from_nothing),
         cmocka_unit_test(a_single_candidate_is_chosen_with_margin_zero),
         cmocka_unit_test(progress_runs_from_zero_to_one),

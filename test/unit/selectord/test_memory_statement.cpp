@@ -1,4 +1,4 @@
-// What the daemon asks of the C library.
+// The daemon's settings of the C library.
 #include <cstdlib>
 
 #include <cmocka.hpp>
@@ -19,10 +19,10 @@ static size_t blocks_of_their_own()
 static void a_large_block_goes_back_whatever_was_freed_before(void **)
 {
     return_large_blocks();
-    malloc_trim(0); // what is free is where a block is looked for first
+    malloc_trim(0); // malloc looks in free memory first
     const size_t before = blocks_of_their_own();
     for (size_t size = size_t{1} << 24; size >= size_t{1} << 21; size /= 2) {
-        void *volatile block = std::malloc(size); // volatile: or else there is none
+        void *volatile block = std::malloc(size); // volatile keeps the allocation
         assert_int_equal(blocks_of_their_own(), before + 1);
         std::free(block);
         assert_int_equal(blocks_of_their_own(), before);

@@ -51,7 +51,7 @@ static double difference(const cv::Mat3b &a, const cv::Mat3b &b)
     return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total() * 3);
 }
 
-// Where the edges are, whatever their colours; blurred, so that noise does not count.
+// The edges, independent of their colours; blurred, so that noise does not count.
 static cv::Mat1f edges(const cv::Mat3b &picture)
 {
     cv::Mat grey, right, down, strength;
@@ -65,7 +65,7 @@ static cv::Mat1f edges(const cv::Mat3b &picture)
     return strength;
 }
 
-// A directory that goes away with the test.
+// A directory that is removed after the test.
 class Scratch
 {
   public:
@@ -221,7 +221,7 @@ static void labels_say_where_and_when_each_picture_was_taken(void **)
                       route.at(x).y);
         assert_true(bool(std::getline(labels, line)));
         assert_string_equal(line.c_str(), expected);
-        // JPEG and the sensor's noise change a pixel a little, another place changes it a lot.
+        // JPEG and the sensor's noise change a pixel little, another place changes it much.
         const cv::Mat3b read = cv::imread(scratch / "drive" / line.substr(0, 10));
         assert_true(read.size() == small);
         assert_true(difference(read, picture("summer", x)) < 6);
@@ -292,7 +292,7 @@ static void a_sheet_has_a_row_for_each_condition_and_a_known_format(void **)
     assert_int_equal(scratch.entries(), 1);
 }
 
-// Last, because a signal is remembered for good.
+// Last, because a signal is never forgotten.
 static void an_interrupted_drive_leaves_nothing_behind(void **)
 {
     const Scratch scratch;

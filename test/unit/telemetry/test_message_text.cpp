@@ -1,4 +1,4 @@
-// How messages are shown. Their samples are made from the tables of their types.
+// Messages as text. Samples are made from the tables of their types.
 #include <algorithm>
 #include <set>
 #include <string>

@@ -1,4 +1,4 @@
-// What the library takes for a well-formed message, against what lcm-gen's encoders write.
+// Well-formed messages: the library's verdict, against lcm-gen's encoders.
 #include "lcm_samples.h"
 #include "message_sample.h"
 #include <inttypes.h>
@@ -25,7 +25,7 @@
 #define IMAGE_KEY_AT (IMAGE_NMETADATA_AT + 4)
 #define IMAGE_VALUE_AT (IMAGE_KEY_AT + 4 + 9)
 
-// A message as bytes, and the table by which it is judged.
+// A message as bytes, and the table to check it with.
 typedef struct message {
     const char *type;
     uint64_t fingerprint;
@@ -82,7 +82,7 @@ static vdna_status judge(const message *m, const uint8_t *bytes, size_t size)
     return status;
 }
 
-// The verdict on a message with a big-endian int32 put at a place of it.
+// The verdict on a message with one big-endian int32 overwritten.
 static vdna_status judge_with(int type, size_t at, int64_t value)
 {
     const message *m = &messages[type];

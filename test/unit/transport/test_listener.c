@@ -73,7 +73,7 @@ static vdna_listener *open_with(const vdna_listener_config *config)
     return listener;
 }
 
-// Listen to what the log has by now.
+// Listen to the log as written so far.
 static vdna_listener *listen_to(log_file *log, const vdna_listener_channel *channels,
                                 uint32_t count)
 {
@@ -213,7 +213,7 @@ static void a_channel_may_be_listened_to_as_several_types(void **state)
     assert_ended(listener);
 }
 
-static void what_was_not_taken_is_dropped_when_it_closes(void **state)
+static void messages_not_taken_are_dropped_on_closing(void **state)
 {
     log_file *log = *state;
     const vdna_listener_channel same[] = {{"SAME", &vdna_message_ranking},
@@ -221,7 +221,7 @@ static void what_was_not_taken_is_dropped_when_it_closes(void **state)
     send_ranking(log, "SAME");
     vdna_listener *listener = listen_to(log, same, 2);
     assert_non_null(next(listener).data);
-    vdna_listener_close(listener); // LeakSanitizer sees what is left
+    vdna_listener_close(listener); // LeakSanitizer sees leaks
 }
 
 static void a_listener_does_not_need_its_configuration_any_more(void **state)
@@ -275,7 +275,7 @@ static void a_signal_ends_a_poll_without_an_error(void **state)
     vdna_listener *listener = open_with(&config);
     struct sigaction action = {.sa_handler = on_alarm}, before;
     assert_int_equal(sigaction(SIGALRM, &action, &before), 0);
-    // Again and again, so that one that comes before the poll does no harm.
+    // Repeated, in case one arrives before the poll.
     const struct itimerval every_20_ms = {{0, 20000}, {0, 20000}}, never = {{0, 0}, {0, 0}};
     assert_int_equal(setitimer(ITIMER_REAL, &every_20_ms, NULL), 0);
     const int64_t begin_us = monotonic_us();
@@ -387,7 +387,7 @@ int main(void)
         ON_LOG(a_channel_name_is_not_a_regular_expression),
         ON_LOG(a_channel_name_need_not_be_ascii),
         ON_LOG(a_channel_may_be_listened_to_as_several_types),
-        ON_LOG(what_was_not_taken_is_dropped_when_it_closes),
+        ON_LOG(messages_not_taken_are_dropped_on_closing),
         ON_LOG(a_listener_does_not_need_its_configuration_any_more),
         cmocka_unit_test(an_idle_poll_waits_for_its_timeout_and_finds_nothing),
         cmocka_unit_test(a_signal_ends_a_poll_without_an_error),

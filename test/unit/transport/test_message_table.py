@@ -1,4 +1,4 @@
-"""Tests of lcmtypes/message_table.py: what it makes of .lcm files, and what it refuses."""
+"""Tests of lcmtypes/message_table.py: its tables of .lcm files, and its refusals."""
 import subprocess
 import sys
 import tempfile
@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 
 PROGRAM = Path(__file__).resolve().parents[3] / "lcmtypes" / "message_table.py"
-# From lcm-gen 1.3.1, for what GOOD says.
+# From lcm-gen 1.3.1, for GOOD.
 PIN = "demo.beat_t 35b08472ae2a6261"
 GOOD = """\
 // A comment; with code in it.
@@ -107,14 +107,14 @@ class MessageTable(unittest.TestCase):
         self.refused(GOOD.rstrip().removesuffix("}"), 16, "end of the file")
         self.refused("", 1, "end of the file", "package")
 
-    def test_names_are_there_once(self):
+    def test_names_are_unique(self):
         self.refused(self.changed("boolean is_even", "boolean utime"), 14, "utime", "twice")
         self.refused(GOOD + "struct point_t { byte a; }\n", 17, "point_t", "twice")
 
     def test_a_struct_without_members_is_refused(self):
         self.refused(self.changed("double at[2];", ""), 6, "point_t", "no members")
 
-    def test_a_fingerprint_that_is_not_pinned_is_told(self):
+    def test_a_fingerprint_that_is_not_pinned_is_reported(self):
         self.refused(self.changed("utime", "time"), 1, PIN.split()[1], "demo.beat_t",
                      "docs/reference/SPEC-lcm.md", name="fingerprints.txt")
         self.refused(GOOD, 1, "35b08472ae2a6261", name="fingerprints.txt",
@@ -122,7 +122,7 @@ class MessageTable(unittest.TestCase):
         self.refused(GOOD, 1, "other.beat_t", name="fingerprints.txt",
                      pin="other.beat_t 35b08472ae2a6261")
 
-    def test_a_line_of_the_fingerprints_that_is_none_is_refused(self):
+    def test_a_malformed_line_of_the_fingerprints_is_refused(self):
         for line in ("demo.beat_t", "beat_t 35b08472ae2a6261", "demo.beat 35b08472ae2a6261",
                      PIN + "0"):
             self.refused(GOOD, 1, line, name="fingerprints.txt", pin=line)

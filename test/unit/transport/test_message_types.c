@@ -11,7 +11,7 @@
 #define FINGERPRINT_BYTES 8u
 #define WIRE_BYTES 1024u
 
-// A sample of one type, and what it is on the wire.
+// A sample of one type, and its bytes on the wire.
 typedef struct sample {
     const vdna_message_type *type;
     char *message;
@@ -39,7 +39,7 @@ static uint32_t length_of(const vdna_message_member *member)
     return member->length > 0 ? member->length : SAMPLE_COUNT;
 }
 
-// The first element of a member, in the C struct or where that points to.
+// The first element of a member, in the C struct or behind its pointer.
 static char *elements_of(const vdna_message_member *member, char *message)
 {
     char *elements = message + member->offset;
@@ -48,7 +48,7 @@ static char *elements_of(const vdna_message_member *member, char *message)
     return elements;
 }
 
-// What the bytes of a message are, by its table.
+// The bytes of a message, by its table.
 enum { FINGERPRINT = 'f', NUMBER = 'n', COUNT = 'c', LENGTH = 'l', TEXT = 't', END = '0' };
 
 typedef struct map {
@@ -104,8 +104,8 @@ static map map_of(const vdna_message_type *type)
     return m;
 }
 
-// Change an element in the C struct, a second time back again.
-// Returns which of its bytes on the wire is the first to change.
+// Change an element in the C struct; a second call changes it back. Returns which of its bytes on
+// the wire is the first to change.
 static size_t toggle(const vdna_message_member *member, char *element)
 {
     char *text;
@@ -339,7 +339,7 @@ static void an_array_of_no_elements_may_be_missing(void **state)
 {
     for (unsigned type = 0; type < VDNA_MESSAGE_TYPES; type++) {
         const vdna_message_type *t = vdna_message_types[type];
-        // Only what is counted is left out: strings must be there.
+        // Only counted arrays may be missing, strings may not.
         sample s = make(type);
         char *empty = sample_memory(t->struct_size);
         memcpy(empty, s.message, t->struct_size);

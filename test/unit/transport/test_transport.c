@@ -122,7 +122,7 @@ static void a_frame_comes_with_all_its_fields(void **state)
 
     const vdna_transport_frame frame = poll_frame(*state);
     assert_int_equal(frame.utime, 123);
-    /* LCM's stamp is of another clock, in whole microseconds. */
+    /* LCM's stamp is from another clock, in whole microseconds. */
     assert_in_range(frame.received_us, before_us - 1, monotonic_us());
     assert_int_equal(frame.image.width, 2);
     assert_int_equal(frame.image.height, 2);
@@ -206,7 +206,7 @@ static void a_picture_of_the_largest_size_is_taken_and_one_byte_more_is_oversize
     assert_int_equal(vdna_transport_count(*state)->picture_bytes_max, MAX_IMAGE_BYTES + 1);
 }
 
-static void what_was_oversized_is_told_with_the_next_frame(void **state)
+static void oversized_frames_are_reported_with_the_next_frame(void **state)
 {
     send_picture(*state, 1, MAX_IMAGE_BYTES + 1);
     assert_int_equal(poll_events(*state, 0), 0);
@@ -268,7 +268,7 @@ static void a_signal_ends_a_poll_without_an_error(void **state)
 {
     struct sigaction action = {.sa_handler = on_alarm}, before;
     assert_int_equal(sigaction(SIGALRM, &action, &before), 0);
-    // Again and again, so that one that comes before the poll does no harm.
+    // Repeated, in case one arrives before the poll.
     const struct itimerval every_20_ms = {{0, 20000}, {0, 20000}}, never = {{0, 0}, {0, 0}};
     assert_int_equal(setitimer(ITIMER_REAL, &every_20_ms, NULL), 0);
     const int64_t begin_us = monotonic_us();
@@ -374,7 +374,7 @@ static void a_channel_that_is_null_is_neither_heard_nor_published_on(void **stat
 
 // --- out ---
 
-// What came in on a channel, for a look at what was published.
+// Bytes received on a channel, to inspect published messages.
 typedef struct received {
     uint8_t bytes[512];
     uint32_t size;
@@ -597,7 +597,7 @@ static void the_memory_that_is_stated_follows_the_configuration(void **state)
     config.max_message_bytes = 500;
     assert_int_equal(vdna_transport_memory_of(&config, &large), VDNA_OK);
     assert_int_equal(large.own_bytes, small.own_bytes + 1000 + 500);
-    /* 30 in the queue, one that is handled, one half received */
+    /* 30 in the queue, one being handled, one half received */
     assert_int_equal(large.lcm_bytes, small.lcm_bytes + 32 * 1000);
 
     config.camera_channel = NULL;
@@ -668,7 +668,7 @@ int main(void)
         ON_MEMQ(a_frame_is_handed_out_once_and_then_is_not_skipped),
         ON_MEMQ(a_malformed_frame_is_rejected_and_the_frame_before_it_kept),
         ON_MEMQ(a_picture_of_the_largest_size_is_taken_and_one_byte_more_is_oversized),
-        ON_MEMQ(what_was_oversized_is_told_with_the_next_frame),
+        ON_MEMQ(oversized_frames_are_reported_with_the_next_frame),
         ON_MEMQ(the_time_in_the_queue_of_lcm_is_part_of_a_frames_age),
         ON_MEMQ(a_reset_is_an_event_of_its_own),
         ON_MEMQ(an_unknown_command_is_counted_and_ignored),

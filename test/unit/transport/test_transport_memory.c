@@ -80,7 +80,7 @@ static void ten_thousand_messages_in_cost_no_allocation_of_ours(void **state)
     (void)state;
     allocations = 0;
     vdna_transport *transport = open_on_memq();
-    assert_true(allocations > 0); // else nothing is being counted
+    assert_true(allocations > 0); // otherwise nothing is being counted
     go_round(transport, 0);
 
     allocations = 0;

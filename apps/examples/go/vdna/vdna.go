@@ -1,6 +1,5 @@
-// Package vdna is libvdna for Go, as far as rank needs it; other functions are called the same way.
-//
-// What the library keeps (ranges, counts) lies in C memory, because C may not keep Go pointers.
+// Package vdna wraps the part of libvdna that rank needs; other functions are called the same way.
+// Data that the library keeps (ranges, counts) is in C memory, because C may not keep Go pointers.
 package vdna
 
 /*
@@ -17,7 +16,7 @@ import (
 	"unsafe"
 )
 
-// Error is what the library refused: a VDNA_ERR_ code.
+// Error is a VDNA_ERR_ code of the library.
 type Error int32
 
 func (e Error) Error() string {
@@ -31,7 +30,7 @@ func check(status C.vdna_status) error {
 	return Error(status)
 }
 
-// withTap calls f with one frame, [samples][neurons], as the library reads it.
+// withTap calls f with one frame, [samples][neurons], in the library's format.
 func withTap(values []float32, neurons int, f func(tap *C.vdna_activations) C.vdna_status) error {
 	if len(values) == 0 || len(values)%neurons != 0 {
 		return fmt.Errorf("%d activations are not whole samples of %d neurons", len(values), neurons)
@@ -51,7 +50,7 @@ func withTap(values []float32, neurons int, f func(tap *C.vdna_activations) C.vd
 // Ranges is the table [neurons][2] of the least and the greatest activation of each neuron.
 type Ranges []float32
 
-// NewRanges makes a table that has seen nothing yet; neurons is at least 1.
+// NewRanges makes an empty table; neurons is at least 1.
 func NewRanges(neurons int) Ranges {
 	table := make(Ranges, 2*neurons)
 	C.vdna_range_clear(table.c(), table.neurons())
@@ -68,13 +67,13 @@ func (r Ranges) Observe(values []float32) error {
 	})
 }
 
-// Expand makes it the table to bin with, widened about the midpoint.
+// Expand widens the ranges about their midpoints; use the result for histograms.
 func (r Ranges) Expand(factor float32) error {
 	rule := C.uint32_t(C.VDNA_RANGE_ABOUT_MIDPOINT)
 	return check(C.vdna_range_expand(r.c(), r.neurons(), C.float(factor), rule))
 }
 
-// Histogram counts frames. Its memory is given back by Close.
+// Histogram counts frames. Close frees its memory.
 type Histogram struct {
 	hist   C.vdna_hist
 	memory unsafe.Pointer
@@ -99,7 +98,7 @@ func NewHistogram(ranges Ranges, bins int) (*Histogram, error) {
 	return h, nil
 }
 
-// Close gives the memory back; the histogram cannot be used any more.
+// Close frees the memory; do not use the histogram afterwards.
 func (h *Histogram) Close() {
 	C.free(h.memory)
 	*h = Histogram{}
@@ -121,7 +120,7 @@ func (h *Histogram) view() (view C.vdna_hist_view) {
 type RankEntry struct {
 	DistanceBins float64
 	Candidate    int  // index into the candidates
-	Tied         bool // a neighbour in the ranking has the very same distance
+	Tied         bool // a neighbour in the ranking has the same distance
 }
 
 // Rank orders at least one candidate by distance to a live histogram, nearest first.
@@ -146,14 +145,14 @@ func Rank(live *Histogram, candidates []*Histogram) ([]RankEntry, error) {
 	return ranking, nil
 }
 
-// Candidate is what the selector needs of a recorded drive.
+// Candidate is a recorded drive for the selector.
 type Candidate struct {
 	Histogram  *Histogram  // of all its frames
 	Embeddings [][]float32 // one for each frame, all of one length
 }
 
 // Selector warms up on the first live frames, chooses the most similar candidate, then finds every
-// frame in it. Its memory is given back by Close, which comes before that of the histograms.
+// frame in it. Close frees its memory; call it before closing the histograms.
 type Selector struct {
 	choice  *C.vdna_select // within memory
 	memory  unsafe.Pointer
@@ -201,7 +200,7 @@ func NewSelector(candidates []Candidate, warmupFrames int) (*Selector, error) {
 	return s, nil
 }
 
-// Close gives the memory back; the selector cannot be used any more.
+// Close frees the memory; do not use the selector afterwards.
 func (s *Selector) Close() {
 	C.free(s.memory)
 	for _, kept := range s.kept {
@@ -244,7 +243,7 @@ func (s *Selector) Chosen() int {
 	return int(C.vdna_select_chosen(s.choice))
 }
 
-// MarginBins is how much nearer the first choice is than the second.
+// MarginBins is the distance of the second choice less that of the first.
 func (s *Selector) MarginBins() float64 { return float64(C.vdna_select_margin_bins(s.choice)) }
 
 // WindowFrames is the number of frames in the warmup window.

@@ -1,5 +1,5 @@
-//! rank: which of three drives looks most like now, and where in it are we? As ../rank.c, and it
-//! prints the same bytes.
+//! rank: which of three drives looks most like now, and where in it are we? Same program as
+//! ../rank.c, with the same output.
 //!
 //!     cargo run    # libvdna not installed: with RUSTFLAGS=-L..., LD_LIBRARY_PATH
 
@@ -13,7 +13,7 @@ const FRAMES: usize = 50;
 const WARMUP: u32 = 40;
 const BINS: u32 = 1000;
 
-/// A made-up drive: its activations lie in shift..shift + 1.
+/// A synthetic drive: its activations lie in shift..shift + 1.
 struct Drive {
     name: &'static str,
     seed: u32,

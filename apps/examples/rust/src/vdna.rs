@@ -1,5 +1,5 @@
-//! libvdna for Rust: the C functions that `rank` needs, and a safe layer over them. Other functions
-//! are declared the same way, from lib/include/vdna.
+//! libvdna for Rust: the C functions that `rank` needs, and a safe layer over them. Declare other
+//! functions of lib/include/vdna the same way.
 
 use std::ffi::CStr;
 use std::fmt;
@@ -146,13 +146,13 @@ mod c {
     }
 }
 
-/// What the library refused: a VDNA_ERR_ code.
+/// A VDNA_ERR_ code of the library.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Error(pub i32);
 
 impl fmt::Display for Error {
     fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
-        // Sound: a constant string for any status.
+        // Sound: the result is a constant string for any status.
         let text = unsafe { CStr::from_ptr(c::vdna_status_text(self.0)) };
         out.write_str(&text.to_string_lossy())
     }
@@ -168,7 +168,7 @@ fn check(status: i32) -> Result<(), Error> {
     }
 }
 
-/// One frame of one tap, [samples][neurons], as the library reads it; valid while `values` is.
+/// One frame of one tap, [samples][neurons], in the library's format; valid while `values` is.
 fn tap_of(values: &[f32], neurons: u32) -> c::Activations {
     let samples = values.len() / neurons.max(1) as usize;
     assert_eq!(
@@ -203,7 +203,7 @@ impl Ranges {
         check(unsafe { c::vdna_range_observe(self.table.as_mut_ptr(), self.neurons, &tap, 1) })
     }
 
-    /// The table to bin with, [neurons][2], widened about the midpoint.
+    /// The table for histograms, [neurons][2], widened about the midpoint.
     pub fn expand(mut self, factor: f32) -> Result<Vec<f32>, Error> {
         let table = self.table.as_mut_ptr();
         check(unsafe { c::vdna_range_expand(table, self.neurons, factor, 0) })?;
@@ -211,14 +211,14 @@ impl Ranges {
     }
 }
 
-/// A histogram, with the memory that the library counts in. It may be moved: its memory stays.
+/// A histogram and its memory. It may be moved: its memory stays in place.
 pub struct Histogram {
     hist: c::Hist,
     _range: Box<[f32]>,
     _memory: Box<[u32]>,
 }
 
-// Sound: the pointers in `hist` are to memory that only this histogram owns.
+// Sound: the pointers in `hist` refer to memory that only this histogram owns.
 unsafe impl Send for Histogram {}
 
 impl Histogram {
@@ -226,8 +226,8 @@ impl Histogram {
     pub fn new(range: &[f32], bins: u32) -> Result<Histogram, Error> {
         let range: Box<[f32]> = range.into();
         let mut hist = MaybeUninit::uninit();
-        // Sound: the library fills `config` and `hist` before they are read, and both blocks are
-        // as large as it is told.
+        // Sound: the library fills `config` and `hist` before they are read, and both blocks have
+        // the stated size.
         unsafe {
             let mut config = MaybeUninit::uninit();
             c::vdna_hist_config_init(config.as_mut_ptr());
@@ -273,7 +273,7 @@ pub struct RankEntry {
     pub distance_bins: f64,
     /// Index into the candidates.
     pub candidate: u32,
-    /// 1 if a neighbour in the ranking has the very same distance.
+    /// 1 if a neighbour in the ranking has the same distance.
     pub tied: u32,
 }
 
@@ -289,7 +289,7 @@ pub fn rank(live: &Histogram, candidates: &[Histogram]) -> Result<Vec<RankEntry>
     Ok(ranking)
 }
 
-/// What the selector needs of a recorded drive.
+/// A recorded drive for the selector.
 pub struct Candidate<'a> {
     /// Of all its frames.
     pub histogram: &'a Histogram,
@@ -298,7 +298,7 @@ pub struct Candidate<'a> {
 }
 
 /// Warms up on the first live frames, chooses the most similar candidate, then finds every frame in
-/// it. It may be moved: the library's object is in memory of its own.
+/// it. It may be moved: the library's object has its own memory.
 pub struct Selector<'a> {
     select: *mut c::Select, // within `_memory`
     dim: usize,
@@ -309,7 +309,7 @@ pub struct Selector<'a> {
 }
 
 impl<'a> Selector<'a> {
-    /// At least one candidate, all with embeddings of `dim` numbers.
+    /// Needs at least one candidate; all embeddings have `dim` elements.
     pub fn new(candidates: &[Candidate<'a>], dim: usize, warmup: u32) -> Result<Self, Error> {
         let kept: Box<[_]> = candidates
             .iter()
@@ -323,8 +323,8 @@ impl<'a> Selector<'a> {
                 }
             })
             .collect();
-        // Sound: the library fills `config` before it is read, the block is as large as it is told,
-        // and what it borrows is borrowed here as long.
+        // Sound: the library fills `config` before it is read, the block has the stated size, and
+        // this object borrows everything that the library borrows.
         unsafe {
             let mut config = MaybeUninit::uninit();
             c::vdna_select_config_init(config.as_mut_ptr());
@@ -392,7 +392,7 @@ impl<'a> Selector<'a> {
         (state == 1).then_some(chosen as usize)
     }
 
-    /// How much nearer the first choice is than the second, in bins.
+    /// Distance of the second choice less that of the first, in bins.
     pub fn margin_bins(&self) -> f64 {
         unsafe { c::vdna_select_margin_bins(self.select) }
     }

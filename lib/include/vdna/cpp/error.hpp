@@ -1,6 +1,5 @@
 /** @file vdna/cpp/error.hpp
- *  @brief The exception that carries a sentence for people, and how a call of the C ABI becomes
- * one.
+ *  @brief The exception thrown for failed calls of the C ABI; it carries a sentence for people.
  */
 #ifndef VDNA_CPP_ERROR_HPP
 #define VDNA_CPP_ERROR_HPP
@@ -20,15 +19,15 @@ class Error : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-/** Throw unless a call went well that fills a vdna_error. */
+/** Throw if a call failed that fills a vdna_error. */
 inline void require(vdna_status status, const vdna_error &error)
 {
     if (status != VDNA_OK)
         throw Error(error.text);
 }
 
-/** Throw unless a call of the core went well, which has a status and no text of its own.
- *  @param where  names the file or frame that was worked on */
+/** Throw if a call of the core failed, which gives a status but no text.
+ *  @param where  names the file or frame in question */
 inline void require(vdna_status status, const std::string &where)
 {
     if (status != VDNA_OK)

@@ -1,5 +1,5 @@
 /** @file vdna/cpp/histogram.hpp
- *  @brief A histogram of the core together with the memory it lives in.
+ *  @brief A histogram of the core, and its memory.
  */
 #ifndef VDNA_CPP_HISTOGRAM_HPP
 #define VDNA_CPP_HISTOGRAM_HPP

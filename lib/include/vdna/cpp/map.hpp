@@ -26,7 +26,7 @@ class Map
         vdna_error error{};
         uint32_t count = 0;
         require(vdna_map_count(directory.c_str(), &error, &count), error);
-        // One at least, so that vdna_map_open() is asked about an empty directory too.
+        // At least one, so that vdna_map_open() reports an empty directory.
         experiences_.resize(std::max(count, 1u));
         require(vdna_map_open(directory.c_str(), static_cast<uint32_t>(experiences_.size()), &error,
                               experiences_.data(), &count),

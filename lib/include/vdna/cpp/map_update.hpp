@@ -1,5 +1,5 @@
 /** @file vdna/cpp/map_update.hpp
- *  @brief A change of a map, which ends itself.
+ *  @brief An update of a map; it ends itself.
  */
 #ifndef VDNA_CPP_MAP_UPDATE_HPP
 #define VDNA_CPP_MAP_UPDATE_HPP
@@ -33,7 +33,7 @@ class MapUpdate
         require(vdna_map_update_add(update_, &experience, &error), error);
     }
 
-    /** Put all of them in their places, at once or not at all. Throws Error. */
+    /** Put all of them in place, together or not at all. Throws Error. */
     void commit()
     {
         vdna_error error{};

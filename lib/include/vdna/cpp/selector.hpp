@@ -1,5 +1,5 @@
 /** @file vdna/cpp/selector.hpp
- *  @brief A selector together with the memory it lives in.
+ *  @brief A selector and its memory.
  */
 #ifndef VDNA_CPP_SELECTOR_HPP
 #define VDNA_CPP_SELECTOR_HPP
@@ -15,10 +15,10 @@
 namespace vdna
 {
 
-/** How long a warmup is; one of the two is 0. */
+/** Length of a warmup; one of the two is 0. */
 struct Warmup {
-    uint32_t frames; /**< the first so many frames */
-    int64_t us;      /**< the first so many microseconds of camera time */
+    uint32_t frames; /**< number of frames */
+    int64_t us;      /**< microseconds of camera time */
 };
 
 /** Limits of a warmup by time, for those that people ask for. */
@@ -28,7 +28,7 @@ class Selector
 {
   public:
     /** Throws Error.
-     *  @param candidates  what they point to is borrowed as long as the selector is in use
+     *  @param candidates  their pointers are borrowed as long as the selector is in use
      *  @param dim  numbers in an embedding
      *  @param where  names the map in the error */
     Selector(std::vector<vdna_select_candidate> candidates, uint32_t dim, const Warmup &warmup,

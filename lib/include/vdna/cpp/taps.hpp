@@ -1,5 +1,5 @@
 /** @file vdna/cpp/taps.hpp
- *  @brief Which neurons belong to which activation tap.
+ *  @brief The neurons of each activation tap.
  */
 #ifndef VDNA_CPP_TAPS_HPP
 #define VDNA_CPP_TAPS_HPP
@@ -41,7 +41,7 @@ inline std::vector<Tap> taps_of(const std::string &text, uint32_t neurons)
     return taps;
 }
 
-/** Write the list that an identity has of them. Throws Error. */
+/** Write them as the list of an identity. Throws Error. */
 inline std::string text_of(const std::vector<Tap> &taps)
 {
     char text[VDNA_TAPS_SIZE] = "";

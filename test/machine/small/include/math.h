@@ -1,4 +1,4 @@
-/* All that lib/core and lib/select may want of <math.h>: macros, no function; see machine.py. */
+/* All that lib/core and lib/select may use of <math.h>: macros, no function; see machine.py. */
 #ifndef MATH_H
 #define MATH_H
 

@@ -1,4 +1,4 @@
-/* All that lib/core and lib/select may want of <string.h>; see machine.py. */
+/* All that lib/core and lib/select may use of <string.h>; see machine.py. */
 #ifndef STRING_H
 #define STRING_H
 

@@ -15,19 +15,19 @@ import java.util.OptionalInt;
 import java.util.function.Consumer;
 
 /**
- * rank: which of three drives looks most like now, and where in it are we? As rank.c, and it prints
- * the same bytes.
+ * rank: which of three drives looks most like now, and where in it are we? Same program as rank.c,
+ * with the same output.
  *
  * <p>mvn compile exec:java, with -Djna.library.path=DIR if libvdna is not installed.
  */
 public final class Rank {
     private static final int NEURONS = 8, SAMPLES = 4, FRAMES = 50, WARMUP = 40, BINS = 1000;
 
-    /** A made-up drive: its activations lie in shift..shift + 1. */
+    /** A synthetic drive: its activations lie in shift..shift + 1. */
     private record Drive(String name, int seed, float shift) {
         /**
-         * Give the activations of each frame, [samples][neurons]. Each number is the upper half of
-         * x = 1664525 x + 1013904223 (mod 2^32), divided by 2^16: exact in any language.
+         * Pass on the activations of each frame, [samples][neurons]. Each number is the upper half
+         * of x = 1664525 x + 1013904223 (mod 2^32), divided by 2^16: exact in any language.
          */
         void eachFrame(Consumer<float[]> consumer) {
             int x = seed;
@@ -63,7 +63,7 @@ public final class Rank {
         return all.array();
     }
 
-    /** Not "%.17f", which stops at the shortest digits that tell a double apart. */
+    /** Not "%.17f", which stops at the shortest digits that identify a double. */
     private static BigDecimal digits(double bins) {
         return new BigDecimal(bins).setScale(17, RoundingMode.HALF_EVEN);
     }

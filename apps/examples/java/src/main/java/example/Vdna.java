@@ -14,12 +14,11 @@ import java.util.List;
 import java.util.OptionalInt;
 
 /**
- * libvdna for Java, as far as Rank needs it; other functions are declared the same way, from
- * lib/include/vdna.
+ * The part of libvdna that Rank needs; declare other functions of lib/include/vdna the same way.
  *
- * <p>JNA gives memory back when nothing in Java refers to it, and does not see what C refers to: an
- * object holds on to all that the library borrows from it, and is itself held on to until the call
- * is over.
+ * <p>JNA frees memory that nothing in Java refers to, and does not see references from C. So an
+ * object keeps a reference to everything the library borrows from it, and stays reachable until the
+ * call returns.
  */
 public final class Vdna {
     private static final C LIBRARY = Native.load("vdna", C.class);
@@ -137,7 +136,7 @@ public final class Vdna {
         public int index, reserved;
     }
 
-    /** What the library refused; {@code status} is a VDNA_ERR_ code. */
+    /** An error of the library; {@code status} is a VDNA_ERR_ code. */
     public static final class VdnaException extends RuntimeException {
         public final int status;
 
@@ -159,7 +158,7 @@ public final class Vdna {
         return memory;
     }
 
-    /** One frame, [samples][neurons], as the library reads it. */
+    /** One frame, [samples][neurons], in the library's format. */
     private static CActivations tapOf(float[] values, int neurons) {
         if (values.length == 0 || values.length % neurons != 0) {
             throw new IllegalArgumentException(
@@ -188,14 +187,14 @@ public final class Vdna {
             check(LIBRARY.vdna_range_observe(table, neurons, tapOf(values, neurons), new SizeT(1)));
         }
 
-        /** The table to bin with, [neurons][2], widened about the midpoint; call it once. */
+        /** The table for histograms, [neurons][2], widened about the midpoint; call once. */
         public float[] expand(float factor) {
             check(LIBRARY.vdna_range_expand(table, neurons, factor, 0));
             return table.getFloatArray(0, 2 * neurons);
         }
     }
 
-    /** A histogram, with the memory that the library counts in. */
+    /** A histogram and its memory. */
     public static final class Histogram {
         private final CHist hist = new CHist();
         private final Memory range;
@@ -246,7 +245,7 @@ public final class Vdna {
         return ranking;
     }
 
-    /** What the selector needs of a recorded drive: its histogram, and [frames][dim] embeddings. */
+    /** A recorded drive for the selector: its histogram, and [frames][dim] embeddings. */
     public record Candidate(Histogram histogram, float[] embeddings) {}
 
     /**
@@ -260,7 +259,7 @@ public final class Vdna {
         private final int dim;
         private final int neurons;
 
-        /** At least one candidate; embeddings are copied. */
+        /** Needs at least one candidate; embeddings are copied. */
         public Selector(List<Candidate> candidates, int dim, int warmupFrames) {
             CSelectCandidate[] structs =
                 (CSelectCandidate[]) new CSelectCandidate().toArray(candidates.size());
@@ -289,8 +288,8 @@ public final class Vdna {
         }
 
         /**
-         * Take one live frame, [samples][neurons]; give the nearest frame of the chosen candidate, or
-         * nothing during the warmup.
+         * Take one live frame, [samples][neurons]; return the nearest frame of the chosen
+         * candidate, or nothing during the warmup.
          */
         public OptionalInt feed(long utime, float[] values, float[] embedding) {
             if (embedding.length != dim) {
@@ -319,7 +318,7 @@ public final class Vdna {
             return selected ? OptionalInt.of(chosen) : OptionalInt.empty();
         }
 
-        /** How much nearer the first choice is than the second, in bins. */
+        /** Distance of the second choice less that of the first, in bins. */
         public double marginBins() {
             double margin = LIBRARY.vdna_select_margin_bins(select);
             Reference.reachabilityFence(this);
