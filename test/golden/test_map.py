@@ -108,8 +108,8 @@ class Experience(unittest.TestCase):
         self.assertEqual(json.loads(spec_block("json", "__metadata__")), written)
         with open(SPEC, encoding="utf-8") as spec:
             self.assertIn(
-                f"N = {length} bytes with its padding, so the data begins at byte {8 + length}"
-                f" and the file has {len(content)}.",
+                f"With padding, N = {length} bytes, so the data begins at byte {8 + length}"
+                f" and the file has {len(content)} bytes.",
                 " ".join(spec.read().split()),
             )
 
