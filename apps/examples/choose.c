@@ -1,6 +1,7 @@
 /* choose LIVE.vdna CANDIDATE.vdna...: which recorded experience looks most like the live one? */
 #include <stdio.h>
 #include <stdlib.h>
+
 #include <vdna/map.h>
 #include <vdna/vdna.h>
 

@@ -1,6 +1,6 @@
-#include "sha256.h"
-
 #include <string.h>
+
+#include "sha256.h"
 
 /* The round constants. Both kinds of processors take four words of the message at a time. */
 #define GROUPS 16

@@ -1,4 +1,5 @@
 #include "count.h"
+
 #include "vectorised.h"
 
 /* Neighbouring neurons are counted together, so that everything but the increments vectorises. */

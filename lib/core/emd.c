@@ -1,4 +1,5 @@
 #include <string.h>
+
 #include <vdna/emd.h>
 
 #include "vectorised.h"
@@ -60,8 +61,9 @@ static span span_from(const vdna_hist_view *p, const vdna_hist_view *q, size_t f
     return s;
 }
 
-/* For the proofs of add_row() and add_narrow_row() in test/hostile/proof. `moved` is the amount that
- * a bin adds to the running difference; sum_span() has checked the bound that makes everything fit. */
+/* For the proofs of add_row() and add_narrow_row() in test/hostile/proof. `moved` is the amount
+ * that a bin adds to the running difference; sum_span() has checked the bound that makes everything
+ * fit. */
 /*@ lemma product: \forall integer x, y; 0 <= x <= UINT32_MAX && 0 <= y <= UINT32_MAX ==>
       0 <= x * y <= UINT64_MAX;
     predicate fits(integer difference, integer sum, integer moved) =

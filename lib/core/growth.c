@@ -1,4 +1,5 @@
 #include "growth.h"
+
 #include <string.h>
 
 /* see growth.h */

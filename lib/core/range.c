@@ -1,4 +1,5 @@
 #include <math.h>
+
 #include <vdna/range.h>
 
 /* Half-width of a neuron that never varied, in activation units. */

@@ -1,4 +1,5 @@
 #include <math.h>
+
 #include <vdna/rank.h>
 
 /* The order of a ranking: by distance, then by place in the map, so no two entries are equal. */

@@ -4,6 +4,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+
 #include <vdna/status.h>
 
 /* Write the sentence, if the caller wants it, and return the status:

@@ -1,8 +1,10 @@
-#include "text.h"
 #include <fail.h>
 #include <inttypes.h>
+
 #include <vdna/hist.h>
 #include <vdna/identity.h>
+
+#include "text.h"
 
 static int is_hex(char c)
 {

@@ -1,6 +1,7 @@
 #include <fail.h>
 #include <inttypes.h>
 #include <string.h>
+
 #include <vdna/identity.h>
 
 /* Most characters shown of a value: two values and the caller's words must fit a vdna_error. */

@@ -2,6 +2,7 @@
 #include <sha2.h>
 #include <stdio.h>
 #include <string.h>
+
 #include <vdna/identity.h>
 
 /* see vdna/identity.h */

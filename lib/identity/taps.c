@@ -1,8 +1,10 @@
-#include "text.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
+
 #include <vdna/identity.h>
+
+#include "text.h"
 
 /* Bytes of ":NEURONS:SAMPLES" at most, a ',' before the name and the NUL. */
 #define NUMBERS_SIZE 24

@@ -1,5 +1,7 @@
 #include "text.h"
+
 #include <fail.h>
+
 #include <vdna/identity.h>
 
 static int is_name(char c)

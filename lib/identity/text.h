@@ -3,6 +3,7 @@
 #define VDNA_IDENTITY_TEXT_H
 
 #include <stddef.h>
+
 #include <vdna/status.h>
 
 /* An alphabet: whether it contains a character. */

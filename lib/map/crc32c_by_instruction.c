@@ -1,5 +1,6 @@
-#include "crc32c.h"
 #include <string.h>
+
+#include "crc32c.h"
 
 #if defined(__GNUC__) && defined(__x86_64__)
 #include <nmmintrin.h>

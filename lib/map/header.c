@@ -1,8 +1,10 @@
 #include "header.h"
-#include "json.h"
+
 #include <fail.h>
 #include <inttypes.h>
 #include <string.h>
+
+#include "json.h"
 
 /* Bytes of the header's length, the first field of a file. */
 #define LENGTH_SIZE 8u

@@ -1,4 +1,5 @@
 #include "json.h"
+
 #include <string.h>
 
 /* Bytes of the longest UTF-8 sequence. */

@@ -1,4 +1,5 @@
 #include "layout.h"
+
 #include <string.h>
 
 void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDNA_FIELD_COUNT])

@@ -1,10 +1,12 @@
 #include "read.h"
-#include "crc32c.h"
-#include "layout.h"
-#include "rules.h"
+
 #include <fail.h>
 #include <inttypes.h>
 #include <string.h>
+
+#include "crc32c.h"
+#include "layout.h"
+#include "rules.h"
 
 static vdna_status check_version(const vdna_header *header, vdna_error *reason)
 {

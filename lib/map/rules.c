@@ -1,9 +1,11 @@
 #include "rules.h"
-#include "layout.h"
+
 #include <fail.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
+
+#include "layout.h"
 
 /* Neurons whose counts are added up at a time: their sums take 8 kB of stack. */
 #define SUM_BLOCK 1024u

@@ -1,9 +1,9 @@
 #include "jpeg.h"
 
+#include <jerror.h>
 #include <setjmp.h>
 #include <stdio.h>
 
-#include <jerror.h>
 #include <jpeglib.h>
 
 /* Cameras pad their frames before the end marker, by a few bytes. */

@@ -1,4 +1,5 @@
 #include <string.h>
+
 #include <vdna/select.h>
 #include <vdna/window.h>
 

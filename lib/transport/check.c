@@ -1,5 +1,6 @@
-#include "cursor.h"
 #include <vdna/transport.h>
+
+#include "cursor.h"
 
 /* Bytes on the wire of a numeric element. */
 static const size_t number_sizes[] = {

@@ -1,6 +1,8 @@
-#include "cursor.h"
-#include <vdna/transport.h>
 #include <vdna_messages.h>
+
+#include <vdna/transport.h>
+
+#include "cursor.h"
 
 /* see vdna/transport.h */
 vdna_status vdna_transport_parse_image(const void *data, size_t size,

@@ -1,11 +1,15 @@
-#include "network.h"
 #include <fail.h>
+#include <growth.h>
 #include <stdlib.h>
 #include <string.h>
+
 #include <vdna/listener.h>
+
+#include "network.h"
 
 #define CHANNELS_MAX 256u
 #define QUEUE_MAX 65536u
+#define OLDEST_CONFIG sizeof(vdna_listener_config) /* in version 0.1 */
 
 /* One channel and its waiting message. One is enough: LCM takes one message off the network at a
  * time and hands it to each subscription at most once. */
@@ -24,22 +28,22 @@ struct vdna_listener {
     subscription subscriptions[];
 };
 
+static const vdna_listener_config defaults = {.queue_length = VDNA_LISTENER_QUEUE};
+
 /* see vdna/listener.h */
 void vdna_listener_config_init(vdna_listener_config *config)
 {
-    if (!config)
-        return;
-    memset(config, 0, sizeof *config);
-    config->struct_size = sizeof *config;
-    config->queue_length = VDNA_LISTENER_QUEUE;
+    vdna_config_write(config, OLDEST_CONFIG, &defaults, sizeof defaults);
 }
 
-static vdna_status check_config(const vdna_listener_config *config, vdna_error *error)
+static vdna_status read_config(const vdna_listener_config *given, vdna_error *error,
+                               vdna_listener_config *config)
 {
-    if (!config || config->struct_size != sizeof *config)
+    *config = defaults;
+    if (!vdna_config_read(given, OLDEST_CONFIG, config, sizeof *config))
         return vdna_fail(error, VDNA_ERR_ARG,
                          "listener: the configuration was not made by "
-                         "vdna_listener_config_init() of this version");
+                         "vdna_listener_config_init() of this version or one since 0.1");
     if (config->queue_length == 0 || config->queue_length > QUEUE_MAX)
         return vdna_fail(error, VDNA_ERR_ARG, "listener: queue_length is %u, expected 1..%u",
                          config->queue_length, QUEUE_MAX);
@@ -105,23 +109,24 @@ static vdna_status subscribe(vdna_listener *listener, const vdna_listener_channe
 }
 
 /* see vdna/listener.h */
-vdna_status vdna_listener_open(const vdna_listener_config *config, vdna_error *error,
+vdna_status vdna_listener_open(const vdna_listener_config *given, vdna_error *error,
                                vdna_listener **out_listener)
 {
-    vdna_status status = check_config(config, error);
+    vdna_listener_config config;
+    vdna_status status = read_config(given, error, &config);
     if (status != VDNA_OK)
         return status;
     if (!out_listener)
         return vdna_fail(error, VDNA_ERR_ARG, "listener: out_listener is NULL");
 
     vdna_listener *listener =
-        calloc(1, sizeof *listener + config->channel_count * sizeof *listener->subscriptions);
+        calloc(1, sizeof *listener + config.channel_count * sizeof *listener->subscriptions);
     if (!listener)
         return vdna_fail(error, VDNA_ERR_NOMEM, "listener: no memory left");
 
-    status = vdna_network_open(&listener->network, config->url, error);
-    for (uint32_t i = 0; status == VDNA_OK && i < config->channel_count; i++)
-        status = subscribe(listener, &config->channels[i], config->queue_length, error);
+    status = vdna_network_open(&listener->network, config.url, error);
+    for (uint32_t i = 0; status == VDNA_OK && i < config.channel_count; i++)
+        status = subscribe(listener, &config.channels[i], config.queue_length, error);
     if (status != VDNA_OK) {
         vdna_listener_close(listener);
         return status;

@@ -4,6 +4,7 @@
 
 #include <lcm/lcm.h>
 #include <stdbool.h>
+
 #include <vdna/transport.h>
 
 typedef struct vdna_network {

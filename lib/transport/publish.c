@@ -1,8 +1,9 @@
-#include "connection.h"
 #include <bot_core_image_t.h>
 #include <stdlib.h>
 #include <string.h>
 #include <vdna_messages.h>
+
+#include "connection.h"
 
 /* see connection.h */
 vdna_status vdna_transport_reserve(vdna_transport *transport, size_t size)

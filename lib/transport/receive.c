@@ -1,7 +1,8 @@
-#include "connection.h"
-#include "cursor.h"
 #include <vdna_messages.h>
 #include <vdna_msg_command_t.h>
+
+#include "connection.h"
+#include "cursor.h"
 
 /* Far more than VDNA_TRANSPORT_QUEUE for each channel: a backlog is always taken whole, yet a flood
  * cannot trap one poll. */

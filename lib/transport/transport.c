@@ -1,8 +1,9 @@
-#include "connection.h"
 #include <fail.h>
 #include <growth.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "connection.h"
 
 #define DEFAULT_MAX_IMAGE_BYTES (8u << 20)
 

@@ -3,8 +3,9 @@
  *     experience_dump write FILE
  *     experience_dump read FILE     a line each: the field's name, then its numbers or its text */
 #define _POSIX_C_SOURCE 200809L
-#include "map_files.h"
 #include <inttypes.h>
+
+#include "map_files.h"
 
 static void print_unsigned(const char *name, const uint32_t *numbers, size_t count)
 {

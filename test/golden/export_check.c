@@ -7,6 +7,7 @@
  * floats, and the counts of a histogram over all of them as uint32, in the machine's byte order. */
 #include <stdio.h>
 #include <stdlib.h>
+
 #include <vdna/backbone.h>
 #include <vdna/hist.h>
 

@@ -1,11 +1,11 @@
 // Embeddings of the shipped networks, against numbers of another implementation.
-#include <cmocka.hpp>
-#include <folder.hpp>
-
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <vector>
+
+#include <cmocka.hpp>
+#include <folder.hpp>
 
 #include <vdna/backbone.h>
 

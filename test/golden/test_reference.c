@@ -1,5 +1,6 @@
 #include <math.h>
 #include <string.h>
+
 #include <vdna/emd.h>
 
 #include "cmocka_all.h"

@@ -1,11 +1,10 @@
 // Resizing against Pillow and the code that made existing maps.
-#include <cmocka.hpp>
-
 #include <vector>
 
-#include "picture/resample.hpp"
+#include <cmocka.hpp>
 
 #include "area_golden.h"
+#include "picture/resample.hpp"
 #include "pillow_golden.h"
 
 using namespace vdna::picture;

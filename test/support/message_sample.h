@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
 #include <vdna/message.h>
 
 // Elements of an array that a count has, and the text that a string has.

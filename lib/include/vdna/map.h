@@ -119,8 +119,8 @@ VDNA_API vdna_status vdna_map_list(const char *directory, uint32_t capacity, vdn
  *                          error
  *  @param out_count  number of open experiences
  *  @return VDNA_OK; VDNA_ERR_EMPTY if there is none; VDNA_ERR_NOMEM if there are more than
- *          `capacity` (an update may have added some since they were counted); what vdna_map_count(), vdna_experience_open() and vdna_experience_compare()
- *          return */
+ *          `capacity` (an update may have added some since they were counted); what
+ * vdna_map_count(), vdna_experience_open() and vdna_experience_compare() return */
 VDNA_API vdna_status vdna_map_open(const char *directory, uint32_t capacity, vdna_error *error,
                                    vdna_experience *out_experiences, uint32_t *out_count);
 

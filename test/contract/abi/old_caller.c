@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
 #include <vdna/activation.h>
 
 typedef struct vdna_hist_config {

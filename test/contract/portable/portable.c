@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
 #include <vdna/vdna.h>
 
 static void require(int condition, const char *what)

@@ -1,10 +1,11 @@
 /* Any bytes as an experience file. */
 #define _POSIX_C_SOURCE 200809L
+#include <vdna/emd.h>
+
 #include "fuzz.h"
 #include "layout.h"
 #include "map_files.h"
 #include "read.h"
-#include <vdna/emd.h>
 
 static void require(int condition)
 {

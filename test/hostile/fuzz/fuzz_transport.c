@@ -1,8 +1,10 @@
 // Any bytes as a message of each type. If a check accepts a message, lcm-gen's decoder must accept
 // it, read it to its last byte and encode it back to the same bytes.
-#include "message_sample.h"
-#include <vdna/transport.h>
 #include <vdna_messages.h>
+
+#include <vdna/transport.h>
+
+#include "message_sample.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity);

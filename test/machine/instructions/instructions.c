@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
 #include <vdna/emd.h>
 #include <vdna/hist.h>
 #include <vdna/knn.h>

@@ -3,6 +3,7 @@
  * the distance's working memory, and of a selector among CANDIDATES experiences. */
 #include <stdio.h>
 #include <string.h>
+
 #include <vdna/vdna.h>
 
 enum { CANDIDATES = 4, NEURONS_MOST = 1280 };

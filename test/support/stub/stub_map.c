@@ -1,6 +1,7 @@
 // stub_map DIRECTORY: write the map that the stub backbone fits, two experiences.
-#include "map_files.h"
 #include <sys/stat.h>
+
+#include "map_files.h"
 
 static int write_as(const char *folder, const char *name)
 {

@@ -1,4 +1,5 @@
 #include <string.h>
+
 #include <vdna/emd.h>
 
 #include "cmocka_all.h"

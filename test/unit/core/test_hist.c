@@ -1,6 +1,7 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
+
 #include <vdna/hist.h>
 
 #include "cmocka_all.h"

@@ -2,6 +2,7 @@
  * of the case, which a failure prints. */
 #include <math.h>
 #include <string.h>
+
 #include <vdna/emd.h>
 
 #include "cmocka_all.h"

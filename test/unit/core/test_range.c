@@ -1,5 +1,6 @@
 #include <math.h>
 #include <string.h>
+
 #include <vdna/range.h>
 
 #include "cmocka_all.h"

@@ -1,4 +1,5 @@
 #include <math.h>
+
 #include <vdna/rank.h>
 
 #include "cmocka_all.h"

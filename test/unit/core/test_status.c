@@ -1,5 +1,6 @@
 #include <stdio.h>
 #include <string.h>
+
 #include <vdna/version.h>
 
 #include "cmocka_all.h"

@@ -1,6 +1,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
 #include <vdna/window.h>
 
 #include "cmocka_all.h"

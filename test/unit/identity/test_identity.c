@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
 #include <vdna/hist.h>
 #include <vdna/identity.h>
 

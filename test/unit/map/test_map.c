@@ -1,15 +1,12 @@
 /* Experience files: written ones are read back, and only valid ones are read. */
 #define _POSIX_C_SOURCE 200809L
-#include "map_files.h"
 #include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <sys/stat.h>
 
-#include <cmocka.h>
+#include "cmocka_all.h"
+#include "map_files.h"
 
 #define FILE_SIZE 8192
 

@@ -1,15 +1,12 @@
 /* Experience files when the operating system refuses: stand-ins for its calls give the errors that
  * no real file system gives on demand (see CMakeLists.txt). */
 #define _POSIX_C_SOURCE 200809L
-#include "map_files.h"
 #include <errno.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 
-#include <cmocka.h>
+#include "cmocka_all.h"
+#include "map_files.h"
 
 /* Results of the next calls of one function: an errno each; 0 = the real call. */
 static struct {

@@ -1,7 +1,9 @@
 /* The C ABI of lib/picture. */
-#include "cmocka_all.h"
 #include <string.h>
+
 #include <vdna/picture.h>
+
+#include "cmocka_all.h"
 
 static const uint8_t two_pixels[] = {1, 2, 3, 4, 5, 6};
 static const vdna_image small = {two_pixels, sizeof two_pixels, 2, 1, 0, VDNA_PIXEL_RGB3};

@@ -1,11 +1,10 @@
 // Picture files: each kind gives the picture in a camera's format, and bytes that are no picture
 // are refused.
-#include <cmocka.hpp>
-
 #include <cstring>
 #include <string>
 #include <vector>
 
+#include <cmocka.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "failure.hpp"

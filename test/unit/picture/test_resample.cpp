@@ -1,11 +1,10 @@
 // Resizing: small pictures by hand, others beside OpenCV.
-#include <cmocka.hpp>
-#include <counted_new.hpp>
-
 #include <algorithm>
 #include <cstdlib>
 #include <vector>
 
+#include <cmocka.hpp>
+#include <counted_new.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "picture/resample.hpp"

@@ -1,13 +1,6 @@
 // The text of the progress bar.
-#include <csetjmp>
-#include <cstdarg>
-#include <cstddef>
-#include <cstdint>
 
-extern "C" {
-#include <cmocka.h>
-}
-
+#include "cmocka.hpp"
 #include "program/progress.hpp"
 
 static void the_bar_tells_share_rate_and_time_left(void **)

@@ -1,6 +1,7 @@
 /* Arguments that break a stated rule of lib/core or lib/select are refused, and nothing changes. */
 #include <math.h>
 #include <string.h>
+
 #include <vdna/select.h>
 
 #include "cmocka_all.h"

@@ -1,8 +1,5 @@
 // The simulated route: repeatable, the same places under every condition, forward motion, labels.
-#include <csetjmp>
 #include <csignal>
-#include <cstdarg>
-#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -10,17 +7,13 @@
 #include <set>
 #include <string>
 
-#include <unistd.h>
-
-extern "C" {
-#include <cmocka.h>
-}
-
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <unistd.h>
 
 #include <vdna/cpp/error.hpp>
 
+#include "cmocka.hpp"
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
 #include "simulate/landmark.hpp"

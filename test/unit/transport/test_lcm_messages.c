@@ -1,16 +1,14 @@
 // Well-formed messages: the library's verdict, against lcm-gen's encoders.
-#include "lcm_samples.h"
-#include "message_sample.h"
 #include <inttypes.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-#include <vdna/transport.h>
 #include <vdna_messages.h>
 
-#include <cmocka.h>
+#include <vdna/transport.h>
+
+#include "cmocka_all.h"
+#include "lcm_samples.h"
+#include "message_sample.h"
 
 // Bytes of the members in front of the first length, by the .lcm files.
 #define RANKING_BACKBONE_AT (8 + 8 + 8 + 4 + 4)

@@ -1,20 +1,18 @@
 // The listener on LCM's in-process network (memq://) and on log files. What it hears is published
 // by a transport, or sent as bytes; memq:// has no other end, so the log files carry it.
-#include "lcm_samples.h"
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
-#include <vdna/listener.h>
-#include <vdna/transport.h>
 #include <vdna_messages.h>
 
-#include <cmocka.h>
+#include <vdna/listener.h>
+#include <vdna/transport.h>
+
+#include "cmocka_all.h"
+#include "lcm_samples.h"
 
 // A log that a test writes and a listener then reads.
 typedef struct log_file {

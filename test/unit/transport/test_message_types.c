@@ -1,12 +1,11 @@
 // The tables that message_table.py writes, against the encoders that lcm-gen writes: two readings
 // of the same .lcm files. The samples are made from the tables and encoded by lcm-gen's code.
-#include "message_sample.h"
-#include <setjmp.h>
-#include <stdarg.h>
-#include <vdna/transport.h>
 #include <vdna_messages.h>
 
-#include <cmocka.h>
+#include <vdna/transport.h>
+
+#include "cmocka_all.h"
+#include "message_sample.h"
 
 #define FINGERPRINT_BYTES 8u
 #define WIRE_BYTES 1024u

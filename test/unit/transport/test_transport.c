@@ -1,19 +1,17 @@
 // The transport on LCM's in-process network (memq://) and on log files.
-#include "connection.h"
-#include "lcm_samples.h"
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
-#include <vdna/transport.h>
 #include <vdna_messages.h>
 
-#include <cmocka.h>
+#include <vdna/transport.h>
+
+#include "cmocka_all.h"
+#include "connection.h"
+#include "lcm_samples.h"
 
 #define MAX_IMAGE_BYTES 100
 

@@ -1,13 +1,11 @@
 // Counts the allocations of our own code: the linker sends its malloc, calloc and realloc here
 // (see CMakeLists.txt). LCM, a shared library, keeps its own and is not counted.
-#include "lcm_samples.h"
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <vdna/transport.h>
 #include <vdna_messages.h>
 
-#include <cmocka.h>
+#include <vdna/transport.h>
+
+#include "cmocka_all.h"
+#include "lcm_samples.h"
 
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t count, size_t size);

@@ -2,6 +2,7 @@
  * prints all bits of what comes out. */
 #include <stdio.h>
 #include <stdlib.h>
+
 #include <vdna/vdna.h>
 
 enum { NEURONS = 24, FRAMES = 40, CANDIDATES = 3 };
