@@ -4,13 +4,14 @@
  *     test_fuzz_NAME NUMBER      one of them, in this process, for a debugger
  *     test_fuzz_NAME DIRECTORY   write the seeds there, for libFuzzer */
 #define _GNU_SOURCE /* MAP_ANONYMOUS */
-#include "fuzz.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "fuzz.h"
 
 #define INPUTS 20000u
 
