@@ -11,6 +11,8 @@
 #include <sys/stat.h>
 #include <sys/types.h>
 
+#include <vdna/status.h>
+
 /* Asked before each call. @return 0 = let it be made; PRETENDED; or an errno: it fails with that */
 typedef int watcher(const char *function);
 
@@ -51,6 +53,14 @@ static int refuse_one(const char *function)
         return 0;
     return refusals.calls-- == 0 ? refusals.refusal : 0;
 }
+
+/* A call that is refused, and what comes of it. */
+typedef struct refused_call {
+    const char *call;
+    int refusal; /* errno */
+    vdna_status expected;
+    const char *reason; /* words of the error */
+} refused_call;
 
 static inline void refuse(const char *function, int calls, int refusal)
 {

@@ -153,12 +153,7 @@ static void what_is_no_readable_file_is_an_error(void **state)
 
 static void a_call_that_is_refused_while_a_journal_is_read_is_named(void **state)
 {
-    static const struct {
-        const char *call;
-        int refusal;
-        vdna_status expected;
-        const char *reason;
-    } cases[] = {
+    static const refused_call cases[] = {
         {"openat", EACCES, VDNA_ERR_IO, "/.commit: cannot open: Permission denied"},
         {"malloc", ENOMEM, VDNA_ERR_NOMEM, "/.commit: no memory left"},
         {"realloc", ENOMEM, VDNA_ERR_NOMEM, "/.commit: no memory left"},

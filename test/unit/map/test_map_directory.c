@@ -435,12 +435,7 @@ static void a_journal_that_another_one_replaces_meanwhile_is_read_again(void **s
 
 static void a_call_that_is_refused_while_a_map_is_read_is_an_error(void **state)
 {
-    static const struct {
-        const char *call;
-        int refusal;
-        vdna_status expected;
-        const char *reason;
-    } cases[] = {
+    static const refused_call cases[] = {
         {"opendir", EACCES, VDNA_ERR_IO, ": cannot read the directory: Permission denied"},
         {"readdir", EIO, VDNA_ERR_IO, ": cannot read the directory: Input/output error"},
         {"openat", EMFILE, VDNA_ERR_IO, ": cannot open: Too many open files"},

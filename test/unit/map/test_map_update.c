@@ -395,12 +395,7 @@ static void without_locks_a_map_is_updated_all_the_same(void **state)
 
 static void a_call_that_an_update_cannot_do_without_is_named(void **state)
 {
-    static const struct {
-        const char *call;
-        int refusal;
-        vdna_status expected;
-        const char *reason;
-    } cases[] = {
+    static const refused_call cases[] = {
         {"calloc", ENOMEM, VDNA_ERR_NOMEM, "no memory left"},
         {"realloc", ENOMEM, VDNA_ERR_NOMEM, "winter.vdna: no memory left"},
         {"fsync", EIO, VDNA_ERR_IO, ": cannot fsync this directory: Input/output error"},
