@@ -387,14 +387,23 @@ static void keep_bytes(const lcm_recv_buf_t *message, const char *channel, void 
     kept->size = message->data_size;
 }
 
+// The bytes of a message on its channel; they pass the check of its type.
+static received published(vdna_transport *transport, const char *channel,
+                          const vdna_message_type *type, const void *message)
+{
+    received kept = {.size = 0};
+    lcm_subscription_t *const subscription =
+        lcm_subscribe(transport->network.lcm, channel, keep_bytes, &kept);
+    assert_int_equal(vdna_transport_publish(transport, channel, type, message), VDNA_OK);
+    assert_int_equal(poll_events(transport, 0), 0);
+    assert_int_equal(lcm_unsubscribe(transport->network.lcm, subscription), 0);
+    assert_int_equal(vdna_transport_check(type, kept.bytes, kept.size), VDNA_OK);
+    return kept;
+}
+
 static void a_published_ranking_passes_the_check_and_decodes_to_itself(void **state)
 {
-    vdna_transport *transport = *state;
-    received kept = {.size = 0};
-    lcm_subscribe(transport->network.lcm, "VDNA_RANKING", keep_bytes, &kept);
-    assert_int_equal(publish_ranking(transport, &sample_ranking), VDNA_OK);
-    assert_int_equal(poll_events(transport, 0), 0);
-    assert_int_equal(vdna_transport_check(&vdna_message_ranking, kept.bytes, kept.size), VDNA_OK);
+    const received kept = published(*state, "VDNA_RANKING", &vdna_message_ranking, &sample_ranking);
 
     vdna_msg_ranking_t ranking;
     assert_int_equal(vdna_msg_ranking_t_decode(kept.bytes, 0, (int)kept.size, &ranking), kept.size);
@@ -416,13 +425,8 @@ static void a_published_ranking_passes_the_check_and_decodes_to_itself(void **st
 
 static void a_published_localisation_passes_the_check_and_decodes_to_itself(void **state)
 {
-    vdna_transport *transport = *state;
-    received kept = {.size = 0};
-    lcm_subscribe(transport->network.lcm, "VDNA_LOCALISATION", keep_bytes, &kept);
-    assert_int_equal(publish_localisation(transport, &sample_localisation), VDNA_OK);
-    assert_int_equal(poll_events(transport, 0), 0);
-    assert_int_equal(vdna_transport_check(&vdna_message_localisation, kept.bytes, kept.size),
-                     VDNA_OK);
+    const received kept =
+        published(*state, "VDNA_LOCALISATION", &vdna_message_localisation, &sample_localisation);
 
     vdna_msg_localisation_t answer;
     assert_int_equal(vdna_msg_localisation_t_decode(kept.bytes, 0, (int)kept.size, &answer),
@@ -445,12 +449,7 @@ static void a_published_localisation_passes_the_check_and_decodes_to_itself(void
 
 static void a_published_status_passes_the_check_and_decodes_to_itself(void **state)
 {
-    vdna_transport *transport = *state;
-    received kept = {.size = 0};
-    lcm_subscribe(transport->network.lcm, "VDNA_STATUS", keep_bytes, &kept);
-    assert_int_equal(publish_status(transport, &sample_status), VDNA_OK);
-    assert_int_equal(poll_events(transport, 0), 0);
-    assert_int_equal(vdna_transport_check(&vdna_message_status, kept.bytes, kept.size), VDNA_OK);
+    const received kept = published(*state, "VDNA_STATUS", &vdna_message_status, &sample_status);
 
     vdna_msg_status_t status;
     assert_int_equal(vdna_msg_status_t_decode(kept.bytes, 0, (int)kept.size, &status), kept.size);
