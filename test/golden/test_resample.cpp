@@ -4,25 +4,13 @@
 #include <cmocka.hpp>
 
 #include "area_golden.h"
+#include "noise.hpp"
 #include "picture/resample.hpp"
 #include "pillow_golden.h"
 
 using namespace vdna::picture;
 
 using Bytes = std::vector<uint8_t>;
-
-// As in make_pillow.py.
-static Bytes noise(size_t count)
-{
-    Bytes bytes(count);
-    uint32_t state = 1;
-    for (uint8_t &byte : bytes) {
-        state = state * 1664525u + 1013904223u;
-        const uint32_t levels[] = {0, 255, state >> 16 & 255, state >> 8 & 255};
-        byte = static_cast<uint8_t>(levels[state >> 30]);
-    }
-    return bytes;
-}
 
 // Noise of a golden case, resized; fourth channels are left out.
 template <class Golden>

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "failure.hpp"
+#include "noise.hpp"
 #include "picture/decode.hpp"
 #include "picture/mean_grey.hpp"
 #include "picture/pixel_formats.hpp"
@@ -200,19 +201,6 @@ static void every_colour_format_gives_the_picture_with_and_without_padding(void 
             const auto stride = static_cast<uint32_t>(padding ? trial.row + padding : 0);
             assert_is_the_picture(image_of(bytes, trial.fourcc, stride), trial.tolerance);
         }
-}
-
-// Bytes of every kind: the ends of the range, and all between.
-static Bytes noise(size_t count)
-{
-    Bytes bytes(count);
-    uint32_t state = 1;
-    for (uint8_t &byte : bytes) {
-        state = state * 1664525u + 1013904223u;
-        const uint32_t levels[] = {0, 255, state >> 16 & 255, state >> 8 & 255};
-        byte = static_cast<uint8_t>(levels[state >> 30]);
-    }
-    return bytes;
 }
 
 // What OpenCV makes of packed 4:2:2, or of 4:2:0 whose padding belongs to the picture.
