@@ -32,6 +32,8 @@ const char *vdna_status_text(vdna_status status)
         return "not supported by this version";
     case VDNA_ERR_RUNTIME:
         return "the network's runtime failed";
+    case VDNA_ERR_LATE:
+        return "older than a frame before it";
     default:
         return "unknown status";
     }

@@ -10,7 +10,7 @@
 #define OLDEST_WINDOW_CONFIG offsetof(vdna_window_config, which)
 
 static const vdna_window_config window_defaults = {
-    0, 0, 0, NULL, 0, NULL, VDNA_HIST_BINS_DEFAULT, VDNA_WINDOW_LAST,
+    0, 0, 0, NULL, 0, NULL, VDNA_HIST_BINS_DEFAULT, VDNA_WINDOW_LAST, 0,
 };
 
 /* At the beginning of the caller's block. The stamps (last window only), the histogram and the
@@ -29,6 +29,7 @@ struct vdna_window {
     uint64_t left_early;
     uint64_t restarts;
     uint32_t capacity;
+    uint32_t least_frames;
     uint32_t oldest; /* its index into the stamps and the slots */
     uint8_t is_first;
     uint8_t is_complete;
@@ -71,6 +72,7 @@ static uint64_t frame_values_of(const vdna_window_config *config)
 static int is_window_config(const vdna_window_config *config)
 {
     return config->capacity > 0 && config->length_us >= 0 && config->which <= VDNA_WINDOW_FIRST &&
+           config->least_frames <= config->capacity &&
            (config->which == VDNA_WINDOW_FIRST || config->bins <= VDNA_WINDOW_BINS_MAX);
 }
 
@@ -138,6 +140,7 @@ vdna_status vdna_window_init(const vdna_window_config *config, void *mem, size_t
         return status;
     w.length_us = p.config.length_us;
     w.capacity = p.config.capacity;
+    w.least_frames = (uint32_t)p.config.least_frames;
     w.is_first = p.config.which == VDNA_WINDOW_FIRST;
     if (!w.is_first) {
         w.taps = p.config.taps;
@@ -255,6 +258,7 @@ static uint32_t events_of(const vdna_window *window, int64_t utime)
     if (window->hist.frames > 0 && utime < window->last_utime)
         return VDNA_WINDOW_RESTARTED | VDNA_WINDOW_ADDED;
     if (window->is_first && window->hist.frames > 0 &&
+        window->hist.frames >= window->least_frames &&
         are_apart(window, window->first_utime, utime))
         return VDNA_WINDOW_COMPLETE;
     return VDNA_WINDOW_ADDED;
@@ -333,7 +337,12 @@ double vdna_window_progress(const vdna_window *window)
         return 1;
     if (window->length_us == 0)
         return (double)window->hist.frames / window->capacity;
-    return (double)elapsed_us(window->first_utime, window->last_utime) / (double)window->length_us;
+    const double time =
+        (double)elapsed_us(window->first_utime, window->last_utime) / (double)window->length_us;
+    double most = 1;
+    if (window->hist.frames < window->least_frames)
+        most = (double)window->hist.frames / window->least_frames;
+    return time < most ? time : most;
 }
 
 /* see vdna/window.h */

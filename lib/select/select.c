@@ -6,9 +6,15 @@
 #include "growth.h"
 
 /* Bytes of vdna_select_config in version 0.1. */
-#define OLDEST_SELECT_CONFIG sizeof(vdna_select_config)
+#define OLDEST_SELECT_CONFIG offsetof(vdna_select_config, late_us)
 
-static const vdna_select_config select_defaults = {0, 0, NULL, 0, 0, 0};
+/* Shortest gap in a warmup by frames that begins it anew: short pauses say nothing there. */
+#define GAP_US_MIN 10000000u
+
+static const vdna_select_config select_defaults = {
+    .late_us = VDNA_TIME_LATE_US_DEFAULT,
+    .warmup_frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT,
+};
 
 /* At the beginning of the caller's block; ranking, views, scratch and window follow. */
 struct vdna_select {
@@ -18,14 +24,21 @@ struct vdna_select {
     vdna_rank_entry *ranking; /* [candidate_count], valid in state SELECTED */
     void *scratch;
     double margin_bins;
-    uint64_t accepted, rejected;
-    uint32_t state, chosen;
+    vdna_camera_time time;
+    uint64_t accepted, rejected, restarts;
+    uint32_t state, chosen, restart_cause;
 };
 
-/* see vdna/select.h */
-void vdna_select_config_init(vdna_select_config *config)
+/* see vdna/select.h; in parentheses, because the header has a macro of this name */
+void(vdna_select_config_init)(vdna_select_config *config)
 {
     vdna_config_write(config, OLDEST_SELECT_CONFIG, &select_defaults, sizeof select_defaults);
+}
+
+/* see vdna/select.h */
+void vdna_select_config_init_sized(vdna_select_config *config, size_t struct_size)
+{
+    vdna_config_write(config, struct_size, &select_defaults, sizeof select_defaults);
 }
 
 static int is_config(const vdna_select_config *config)
@@ -33,7 +46,8 @@ static int is_config(const vdna_select_config *config)
     if (!config->candidates || config->candidate_count == 0 || config->dim == 0)
         return 0;
     const int by_frames = config->warmup_frames > 0, by_time = config->warmup_us > 0;
-    if (by_frames == by_time || config->warmup_us < 0)
+    if (by_frames == by_time || config->warmup_us < 0 || config->late_us < 0 ||
+        config->time_unit > VDNA_TIME_UNIT_S)
         return 0;
     for (uint32_t i = 0; i < config->candidate_count; i++)
         if (!config->candidates[i].embeddings || config->candidates[i].frames == 0)
@@ -54,6 +68,7 @@ static vdna_window_config window_config_of(const vdna_select_config *config,
     window.which = VDNA_WINDOW_FIRST;
     window.capacity = config->warmup_frames > 0 ? config->warmup_frames : UINT32_MAX;
     window.length_us = config->warmup_us;
+    window.least_frames = config->warmup_us > 0 ? config->warmup_frames_min : 0;
     window.taps = out_shape;
     window.tap_count = 1;
     window.range = first->range;
@@ -140,6 +155,7 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
     s.ranking = (vdna_rank_entry *)(void *)ranking;
     s.views = (vdna_hist_view *)(void *)views;
     s.scratch = scratch;
+    vdna_camera_time_init(&s.time, s.config.time_unit, s.config.late_us);
     for (uint32_t i = 0; i < s.config.candidate_count; i++)
         s.views[i] = s.config.candidates[i].dna;
     *out_select = mem;
@@ -147,15 +163,22 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
     return VDNA_OK;
 }
 
+/* Forget the choice and the window; camera time goes on. */
+static void warm_up_again(vdna_select *select)
+{
+    vdna_window_reset(select->window);
+    select->state = VDNA_SELECT_WARMUP;
+    select->chosen = 0;
+    select->margin_bins = 0;
+}
+
 /* see vdna/select.h */
 void vdna_select_reset(vdna_select *select)
 {
     if (!select)
         return;
-    vdna_window_reset(select->window);
-    select->state = VDNA_SELECT_WARMUP;
-    select->chosen = 0;
-    select->margin_bins = 0;
+    warm_up_again(select);
+    vdna_camera_time_begin(&select->time);
 }
 
 /* Rank the experiences against the window and choose the nearest. */
@@ -186,20 +209,61 @@ static vdna_status localise(const vdna_select *select, const float *embedding,
     return status;
 }
 
-/* Give a frame to the window, and choose once the window is complete. */
-static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame,
-                           vdna_select_answer *answer)
+/* Camera time between two stamps, the later of which is not earlier. */
+static uint64_t elapsed_us(int64_t earlier, int64_t later)
 {
+    return (uint64_t)later - (uint64_t)earlier;
+}
+
+/* Whether a frame in order comes later than a whole warmup after the newest of the window. */
+static int is_gap(const vdna_select *select, int64_t utime)
+{
+    const uint32_t frames = vdna_select_window_frames(select);
+    if (frames == 0)
+        return 0;
+    const int64_t newest = vdna_select_last_utime(select);
+    const uint64_t gap = elapsed_us(newest, utime);
+    if (select->config.warmup_us > 0)
+        return gap > (uint64_t)select->config.warmup_us;
+    if (frames < 2 || gap < GAP_US_MIN)
+        return 0;
+    const uint64_t spacing = elapsed_us(vdna_select_first_utime(select), newest) / (frames - 1);
+    return gap / select->config.warmup_frames > spacing;
+}
+
+/* What a frame's time, which is not late, does to the warmup: VDNA_RESTART_... */
+static uint32_t restart_of(const vdna_select *select, uint32_t order, int64_t utime)
+{
+    if (order == VDNA_TIME_BACKWARDS)
+        return VDNA_RESTART_BACKWARDS;
+    if (order == VDNA_TIME_RECOGNISED)
+        return VDNA_RESTART_UNIT;
+    return is_gap(select, utime) ? VDNA_RESTART_GAP : VDNA_RESTART_NONE;
+}
+
+static void restart(vdna_select *select, uint32_t cause)
+{
+    warm_up_again(select);
+    select->restarts++;
+    select->restart_cause = cause;
+}
+
+/* Give a frame to the window, and choose once the window is complete. */
+static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, uint32_t order,
+                           int64_t utime, vdna_select_answer *answer)
+{
+    answer->restarted = restart_of(select, order, utime);
+    if (answer->restarted != VDNA_RESTART_NONE)
+        restart(select, answer->restarted);
     uint32_t events = 0;
     vdna_status status =
-        vdna_window_add(select->window, frame->utime, frame->taps, frame->tap_count, &events);
+        vdna_window_add(select->window, utime, frame->taps, frame->tap_count, &events);
     if (status == VDNA_OK && (events & VDNA_WINDOW_COMPLETE))
         status = choose(select);
     if (status != VDNA_OK) {
-        vdna_select_reset(select);
+        warm_up_again(select);
         return status;
     }
-    answer->restarted = (events & VDNA_WINDOW_RESTARTED) != 0;
     answer->newly_ranked = (events & VDNA_WINDOW_COMPLETE) != 0;
     return events & VDNA_WINDOW_ADDED ? VDNA_OK : localise(select, frame->embedding, answer);
 }
@@ -224,7 +288,11 @@ static vdna_status take(vdna_select *select, const vdna_select_frame *frame,
     const vdna_status status = check_frame(select, frame);
     if (status != VDNA_OK)
         return status;
-    return select->state == VDNA_SELECT_WARMUP ? warm_up(select, frame, answer)
+    int64_t utime;
+    const uint32_t order = vdna_camera_time_take(&select->time, frame->utime, &utime);
+    if (order == VDNA_TIME_LATE)
+        return VDNA_ERR_LATE;
+    return select->state == VDNA_SELECT_WARMUP ? warm_up(select, frame, order, utime, answer)
                                                : localise(select, frame->embedding, answer);
 }
 
@@ -238,7 +306,7 @@ vdna_status vdna_select_feed(vdna_select *select, const vdna_select_frame *frame
     memset(&answer, 0, sizeof answer);
     const vdna_status status = take(select, frame, &answer);
     if (status != VDNA_OK) {
-        select->rejected++;
+        select->rejected += status != VDNA_ERR_LATE;
         return status;
     }
     select->accepted++;
@@ -320,5 +388,17 @@ uint64_t vdna_select_rejected(const vdna_select *select)
 /* see vdna/select.h */
 uint64_t vdna_select_restarts(const vdna_select *select)
 {
-    return select ? vdna_window_restarts(select->window) : 0;
+    return select ? select->restarts : 0;
+}
+
+/* see vdna/select.h */
+uint32_t vdna_select_restart_cause(const vdna_select *select)
+{
+    return select ? select->restart_cause : VDNA_RESTART_NONE;
+}
+
+/* see vdna/select.h */
+const vdna_camera_time *vdna_select_time(const vdna_select *select)
+{
+    return select ? &select->time : NULL;
 }

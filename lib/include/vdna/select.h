@@ -7,10 +7,17 @@
  *
  *  Definition: as in the paper, the live Visual DNA is that of the warmup window only, and a
  *  candidate's that of all its frames.
+ *
+ *  Time. Stamps go through vdna/camera_time.h first: late frames are refused and counted, and the
+ *  unit of the stamps is recognised. A warmup begins anew, with the frame at hand, when camera time
+ *  steps back, when its unit is recognised to be another one than microseconds, and after a gap
+ *  longer than the warmup: T, or for a warmup by frames N times the mean spacing of the frames in
+ *  the window, and 10 s at least.
  */
 #ifndef VDNA_SELECT_H
 #define VDNA_SELECT_H
 
+#include <vdna/camera_time.h>
 #include <vdna/hist.h>
 #include <vdna/knn.h>
 #include <vdna/rank.h>
@@ -22,10 +29,21 @@ extern "C" {
 /** Frames of a warmup where nobody asks for another length; the paper's. */
 #define VDNA_WARMUP_FRAMES_DEFAULT 100u
 
+/** Fewest frames of a warmup by time where nobody asks for another number. */
+#define VDNA_WARMUP_FRAMES_MIN_DEFAULT 10u
+
 /** State of a selector. */
 enum {
     VDNA_SELECT_WARMUP = 0,  /**< collecting the live Visual DNA; there is no choice yet */
     VDNA_SELECT_SELECTED = 1 /**< an experience is chosen; frames are localised in it */
+};
+
+/** Why a warmup began anew. */
+enum {
+    VDNA_RESTART_NONE = 0,      /**< it did not */
+    VDNA_RESTART_BACKWARDS = 1, /**< camera time stepped back further than a late frame does */
+    VDNA_RESTART_GAP = 2,       /**< no frame for longer than the warmup */
+    VDNA_RESTART_UNIT = 3       /**< the stamps turned out not to be microseconds */
 };
 
 /** One experience to choose from. All pointers are borrowed as long as the selector is in use. */
@@ -46,11 +64,16 @@ typedef struct vdna_select_config {
     uint32_t dim;                            /**< numbers in an embedding, >= 1 */
     uint32_t warmup_frames; /**< the first N accepted frames; 0 = not by frames (default) */
     int64_t warmup_us; /**< the first T microseconds of camera time; 0 = not by time (default) */
+    int64_t late_us;   /**< frames this much older than the newest are late, microseconds, >= 0;
+                            default VDNA_TIME_LATE_US_DEFAULT */
+    uint32_t warmup_frames_min; /**< a warmup by time goes on until it has as many frames; default
+                                     VDNA_WARMUP_FRAMES_MIN_DEFAULT */
+    uint32_t time_unit; /**< of the stamps: VDNA_TIME_UNIT_...; default AUTO, to recognise it */
 } vdna_select_config;
 
 /** One live frame. Nothing is kept after the call. */
 typedef struct vdna_select_frame {
-    int64_t utime;                /**< the camera's stamp in microseconds */
+    int64_t utime;                /**< the camera's stamp, in the unit of the config */
     const vdna_activations *taps; /**< [tap_count], in the order of the histogram's neurons */
     size_t tap_count;             /**< >= 1 */
     const float *embedding;       /**< [dim] */
@@ -61,7 +84,7 @@ typedef struct vdna_select_answer {
     uint32_t state;        /**< VDNA_SELECT_... after this frame */
     uint32_t newly_ranked; /**< 1 if this frame completed the warmup: see
                                 vdna_select_ranking() */
-    uint32_t restarted;    /**< 1 if camera time ran backwards and the warmup began anew */
+    uint32_t restarted;    /**< VDNA_RESTART_...: why the warmup began anew with this frame */
     uint32_t localised;    /**< 1 if `match` is valid */
     vdna_knn_match match;  /**< nearest frame of the chosen experience */
 } vdna_select_answer;
@@ -70,8 +93,22 @@ typedef struct vdna_select_answer {
 typedef struct vdna_select vdna_select;
 
 /** Write the defaults; the caller must set candidates, candidate_count, dim and one warmup.
+ *
+ *  In C and C++ a macro of this name calls vdna_select_config_init_sized(). The function itself is
+ *  for programs and languages that know only the struct of version 0.1, which ended with
+ *  `warmup_us`: it writes that much and sets `struct_size` to match.
  *  @param config  NULL is allowed */
 VDNA_API void vdna_select_config_init(vdna_select_config *config);
+
+/** Write the defaults of the fields that the caller's struct has.
+ *  @param config       NULL is allowed
+ *  @param struct_size  bytes of the struct that the caller was compiled with */
+VDNA_API void vdna_select_config_init_sized(vdna_select_config *config, size_t struct_size);
+
+/** Write the defaults of all fields that this header has.
+ *  @param config  NULL is allowed */
+#define vdna_select_config_init(config) \
+    vdna_select_config_init_sized((config), sizeof(vdna_select_config))
 
 /** Bytes that vdna_select_init() needs.
  *  @param config  complete; data behind the candidates' pointers is ignored
@@ -91,13 +128,14 @@ VDNA_API vdna_status vdna_select_init(const vdna_select_config *config, void *me
 
 /** Take one live frame.
  *  In WARMUP it is offered to the window, a first window of vdna/window.h. A frame that completes
- *  the window without being in it is localised. In SELECTED every frame is localised. A stamp
- *  earlier than the newest of the window begins the warmup anew with this frame.
+ *  the window without being in it is localised. In SELECTED every frame is localised, unless it is
+ *  late.
  *  @param select      from vdna_select_init()
  *  @param frame       needed for this call only
  *  @param out_answer  says which of its fields are valid
  *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_MISMATCH or VDNA_ERR_NONFINITE for a bad frame, which is
- *          refused whole and counted; VDNA_ERR_OVERFLOW or VDNA_ERR_FULL if the window is too large
+ *          refused whole and counted; VDNA_ERR_LATE for a frame older than one before it, which is
+ *          counted apart; VDNA_ERR_OVERFLOW or VDNA_ERR_FULL if the window is too large
  *          to rank, in which case the warmup begins anew */
 VDNA_API vdna_status vdna_select_feed(vdna_select *select, const vdna_select_frame *frame,
                                       vdna_select_answer *out_answer);
@@ -163,10 +201,21 @@ VDNA_API uint64_t vdna_select_accepted(const vdna_select *select);
  *  @return frames */
 VDNA_API uint64_t vdna_select_rejected(const vdna_select *select);
 
-/** Count the warmups begun anew because camera time ran backwards, since vdna_select_init().
+/** Count the warmups begun anew because of their frames' times, since vdna_select_init().
  *  @param select  NULL gives 0
  *  @return warmups */
 VDNA_API uint64_t vdna_select_restarts(const vdna_select *select);
+
+/** Tell why the last of these warmups began anew.
+ *  @param select  NULL gives VDNA_RESTART_NONE
+ *  @return VDNA_RESTART_... */
+VDNA_API uint32_t vdna_select_restart_cause(const vdna_select *select);
+
+/** Look at camera time: its unit, the newest frame, late frames, and how many frames did not move
+ *  it.
+ *  @param select  NULL gives NULL
+ *  @return borrowed as long as the selector is in use; follows later changes */
+VDNA_API const vdna_camera_time *vdna_select_time(const vdna_select *select);
 
 #ifdef __cplusplus
 }

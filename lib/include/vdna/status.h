@@ -34,11 +34,12 @@ enum {
     VDNA_ERR_FORMAT = 10,      /**< bytes that break their specification */
     VDNA_ERR_CHECKSUM = 11,    /**< bytes differ from those written or pinned */
     VDNA_ERR_UNSUPPORTED = 12, /**< valid, but beyond what this version can do */
-    VDNA_ERR_RUNTIME = 13      /**< the network's runtime failed */
+    VDNA_ERR_RUNTIME = 13,     /**< the network's runtime failed */
+    VDNA_ERR_LATE = 14         /**< a frame older than one that was taken before */
 };
 
 /** Number of status codes, VDNA_OK included. */
-#define VDNA_STATUS_COUNT 14
+#define VDNA_STATUS_COUNT 15
 
 /** English text of a status, without a trailing period.
  *  @param status  any value

@@ -33,6 +33,7 @@
 #define VDNA_VDNA_H
 
 #include <vdna/activation.h>
+#include <vdna/camera_time.h>
 #include <vdna/emd.h>
 #include <vdna/hist.h>
 #include <vdna/knn.h>

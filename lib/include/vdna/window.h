@@ -6,7 +6,8 @@
  *  | window  | holds                                 | when it is full                            |
  *  |---------|---------------------------------------|--------------------------------------------|
  *  | first N | the first N frames                    | the N-th completes it                      |
- *  | first T | the frames with utime < first + T     | the next one completes it, not being in it |
+ *  | first T | the frames with utime < first + T,    | the next one completes it, not being in it |
+ *  |         | and at least `least_frames`           |                                            |
  *  | last N  | the newest N frames                   | the oldest leaves for each that comes      |
  *  | last T  | the frames with newest - utime < T    | frames leave as they grow too old          |
  *
@@ -68,6 +69,9 @@ typedef struct vdna_window_config {
                                        ..VDNA_HIST_BINS_MAX */
     uint64_t which;               /**< VDNA_WINDOW_LAST (default) or VDNA_WINDOW_FIRST; 64 bits wide
                                        to leave no padding, which could not be used later */
+    uint64_t least_frames;        /**< fewest frames of a first window by time, <= capacity, at
+                                       most UINT32_MAX: it takes in frames beyond T until it has as
+                                       many; 0 = any number (default), as in all other windows */
 } vdna_window_config;
 
 /** A window, within the caller's block. */

@@ -52,7 +52,7 @@ def test_it_warms_up_chooses_and_localises(candidates, unit_range):
 
 
 def test_a_window_of_time_ends_with_the_first_frame_beyond_it(candidates):
-    selector = Selector(candidates, warmup_us=1_000_000)
+    selector = Selector(candidates, warmup_us=1_000_000, warmup_frames_min=2)
     assert not selector.feed(5, [0, 1], BRIGHT).selected
     assert not selector.feed(1_000_004, [0, 1], BRIGHT).selected
     assert selector.feed(1_000_005, [0, 1], BRIGHT).selected
@@ -60,9 +60,22 @@ def test_a_window_of_time_ends_with_the_first_frame_beyond_it(candidates):
 
 def test_time_that_runs_backwards_begins_anew(candidates):
     selector = Selector(candidates, warmup_frames=3)
-    selector.feed(10, [0, 1], BRIGHT)
-    assert selector.feed(9, [0, 1], BRIGHT).restarted
+    selector.feed(2_000_000, [0, 1], BRIGHT)
+    assert selector.feed(999_999, [0, 1], BRIGHT).restarted
     assert selector.restarts == 1 and selector.live.mass.tolist() == [1, 1, 1]
+
+
+def test_a_late_frame_is_refused_and_counted(candidates):
+    selector = Selector(candidates, warmup_frames=3, late_us=5, time_unit="ms")
+    selector.feed(10, [0, 1], BRIGHT)
+    selector.feed(11, [0, 1], BRIGHT)
+    with pytest.raises(VdnaError) as caught:
+        selector.feed(10, [0, 1], BRIGHT)
+    assert caught.value.status is Status.LATE
+    assert (selector.late, selector.rejected, selector.window_frames) == (1, 0, 2)
+    assert selector.window_utime == (10_000, 11_000)
+    with pytest.raises(ValueError, match="time_unit"):
+        Selector(candidates, warmup_frames=3, time_unit="minutes")
 
 
 def test_a_refused_frame_is_counted_and_nothing_else(candidates):

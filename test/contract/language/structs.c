@@ -70,6 +70,9 @@ static void print_select(void)
     FIELD(vdna_select_config, dim);
     FIELD(vdna_select_config, warmup_frames);
     FIELD(vdna_select_config, warmup_us);
+    FIELD(vdna_select_config, late_us);
+    FIELD(vdna_select_config, warmup_frames_min);
+    FIELD(vdna_select_config, time_unit);
 
     STRUCT(vdna_select_frame);
     FIELD(vdna_select_frame, utime);

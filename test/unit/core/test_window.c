@@ -550,6 +550,24 @@ static void a_first_window_whose_counts_are_full_is_unchanged(void **state)
     assert_int_equal(*mass_of(window), 1);
 }
 
+static void a_first_window_by_time_takes_frames_in_until_it_has_enough(void **state)
+{
+    (void)state;
+    vdna_window_config config = first_time(1000, 8);
+    config.least_frames = 3;
+    vdna_window *window = window_of(config);
+    assert_int_equal(events_of(window, 0, 0.5f), VDNA_WINDOW_ADDED);
+    assert_int_equal(events_of(window, 500, 0.5f), VDNA_WINDOW_ADDED);
+    assert_true(vdna_window_progress(window) == 0.5);
+    assert_int_equal(events_of(window, 2000, 0.5f), VDNA_WINDOW_ADDED);
+    assert_true(vdna_window_progress(window) == 1);
+    assert_int_equal(events_of(window, 2001, 0.5f), VDNA_WINDOW_COMPLETE);
+    assert_int_equal(vdna_window_hist(window)->frames, 3);
+
+    config.least_frames = 9; /* more than its capacity */
+    assert_int_equal(vdna_window_mem_size(&config), 0);
+}
+
 static void progress_is_the_share_of_frames_or_of_time(void **state)
 {
     (void)state;
@@ -760,6 +778,7 @@ int main(void)
         cmocka_unit_test(a_first_window_keeps_no_frames),
         cmocka_unit_test(a_first_window_takes_any_division_into_taps),
         cmocka_unit_test(a_first_window_whose_counts_are_full_is_unchanged),
+        cmocka_unit_test(a_first_window_by_time_takes_frames_in_until_it_has_enough),
         cmocka_unit_test(progress_is_the_share_of_frames_or_of_time),
         cmocka_unit_test(a_window_that_is_not_there_has_nothing),
         cmocka_unit_test(after_a_million_frames_it_equals_recomputation_by_frames),

@@ -187,16 +187,18 @@ static void an_incomplete_config_of_a_selector_is_refused(void **state)
 {
     (void)state;
     const vdna_select_config good = select_config(&candidate);
-    vdna_select_config bad[5] = {good, good, good, good, good};
-    bad[0].struct_size--;
+    vdna_select_config bad[7] = {good, good, good, good, good, good, good};
+    bad[0].struct_size = offsetof(vdna_select_config, late_us) - 1;
     bad[1].candidates = NULL;
     bad[2].candidate_count = 0;
     bad[3].dim = 0;
     bad[4].struct_size++;
+    bad[5].late_us = -1;
+    bad[6].time_unit = VDNA_TIME_UNIT_S + 1;
     int64_t block[64];
     vdna_select *select;
     assert_true(vdna_select_mem_size(&good) > 0);
-    for (size_t i = 0; i < 5; i++) {
+    for (size_t i = 0; i < 7; i++) {
         assert_int_equal(vdna_select_mem_size(&bad[i]), 0);
         assert_int_equal(vdna_select_init(&bad[i], block, sizeof block, &select), VDNA_ERR_ARG);
     }

@@ -19,6 +19,7 @@ static const vdna_select_candidate candidates[] = {
 
 static int64_t block[128];
 
+/* In microseconds, with no bound of late frames: every step back begins the warmup anew. */
 static vdna_select_config by_frames(uint32_t frames)
 {
     vdna_select_config config;
@@ -27,6 +28,8 @@ static vdna_select_config by_frames(uint32_t frames)
     config.candidate_count = 2;
     config.dim = 1;
     config.warmup_frames = frames;
+    config.late_us = 0;
+    config.time_unit = VDNA_TIME_UNIT_US;
     return config;
 }
 
@@ -34,6 +37,7 @@ static vdna_select_config by_time(int64_t microseconds)
 {
     vdna_select_config config = by_frames(0);
     config.warmup_us = microseconds;
+    config.warmup_frames_min = 1;
     return config;
 }
 
@@ -129,6 +133,8 @@ static void a_selector_that_is_not_there_has_nothing(void **state)
     assert_int_equal(vdna_select_accepted(NULL), 0);
     assert_int_equal(vdna_select_rejected(NULL), 0);
     assert_int_equal(vdna_select_restarts(NULL), 0);
+    assert_int_equal(vdna_select_restart_cause(NULL), VDNA_RESTART_NONE);
+    assert_null(vdna_select_time(NULL));
 }
 
 static void later_frames_are_localised_in_the_chosen_experience(void **state)
@@ -175,11 +181,11 @@ static void camera_time_that_runs_backwards_begins_the_warmup_anew(void **state)
 {
     (void)state;
     vdna_select *select = selector(by_frames(3));
-    feed(select, 400, 0.5f, 0);
+    feed(select, 590, 0.5f, 0);
     feed(select, 600, 0.5f, 0);
-    /* Behind the newest frame of the window, though not behind its first. */
     const vdna_select_answer answer = feed(select, 500, 3.5f, 0);
-    assert_int_equal(answer.restarted, 1);
+    assert_int_equal(answer.restarted, VDNA_RESTART_BACKWARDS);
+    assert_int_equal(vdna_select_restart_cause(select), VDNA_RESTART_BACKWARDS);
     assert_int_equal(answer.state, VDNA_SELECT_WARMUP);
     assert_int_equal(vdna_select_restarts(select), 1);
     assert_int_equal(vdna_select_first_utime(select), 500);
@@ -202,6 +208,111 @@ static void a_backward_stamp_does_not_end_a_warmup_by_time(void **state)
     answer = feed(select, 4999, 3.5f, 0);
     assert_int_equal(answer.restarted, 1);
     assert_int_equal(answer.state, VDNA_SELECT_WARMUP);
+}
+
+static void a_late_frame_is_refused_and_counted_apart(void **state)
+{
+    (void)state;
+    vdna_select_config config = by_frames(3);
+    config.late_us = 100;
+    vdna_select *select = selector(config);
+    vdna_select_answer answer;
+    feed(select, 590, 3.5f, 0);
+    feed(select, 600, 3.5f, 0);
+    assert_int_equal(try_frame(select, 500, 0.5f, 0, &answer), VDNA_ERR_LATE);
+    assert_int_equal(vdna_select_window_frames(select), 2);
+    assert_int_equal(vdna_select_time(select)->late, 1);
+    assert_int_equal(vdna_select_rejected(select), 0);
+    assert_int_equal(feed(select, 600, 3.5f, 0).newly_ranked, 1);
+    /* Also after the choice, without changing it. */
+    assert_int_equal(try_frame(select, 500, 0.5f, 0, &answer), VDNA_ERR_LATE);
+    assert_int_equal(feed(select, 700, 3.5f, 5).localised, 1);
+    assert_int_equal(vdna_select_accepted(select), 4);
+}
+
+static void frames_that_changed_places_do_not_keep_a_warmup_from_ending(void **state)
+{
+    (void)state;
+    vdna_select_config config = by_frames(20);
+    config.late_us = VDNA_TIME_LATE_US_DEFAULT;
+    vdna_select *select = selector(config);
+    vdna_select_answer answer;
+    for (int64_t i = 0; i < 40; i++) {
+        const int64_t place = i % 5 == 3 ? i + 1 : i % 5 == 4 ? i - 1 : i;
+        try_frame(select, place * 33333, 3.5f, 0, &answer);
+    }
+    assert_int_equal(vdna_select_state(select), VDNA_SELECT_SELECTED);
+    assert_int_equal(vdna_select_restarts(select), 0);
+    assert_int_equal(vdna_select_time(select)->late, 8);
+}
+
+static void a_gap_longer_than_a_warmup_by_time_begins_it_anew(void **state)
+{
+    (void)state;
+    vdna_select *select = selector(by_time(1000));
+    feed(select, 0, 0.5f, 0);
+    feed(select, 900, 0.5f, 0);
+    const vdna_select_answer answer = feed(select, 1901, 3.5f, 0);
+    assert_int_equal(answer.restarted, VDNA_RESTART_GAP);
+    assert_int_equal(vdna_select_window_frames(select), 1);
+    assert_int_equal(vdna_select_first_utime(select), 1901);
+    feed(select, 2500, 3.5f, 0);
+    /* As long as the warmup is no gap. */
+    assert_int_equal(feed(select, 3500, 3.5f, 0).newly_ranked, 1);
+    assert_int_equal(vdna_select_chosen(select), 1);
+}
+
+static void a_gap_of_more_frames_than_the_warmup_begins_it_anew(void **state)
+{
+    (void)state;
+    vdna_select *select = selector(by_frames(5));
+    feed(select, 0, 0.5f, 0);
+    feed(select, 4000000, 0.5f, 0);
+    /* 5 times the spacing of 4 s. */
+    assert_int_equal(feed(select, 24000000, 0.5f, 0).restarted, VDNA_RESTART_NONE);
+    /* Now the spacing is 12 s. */
+    assert_int_equal(feed(select, 96000000, 0.5f, 0).restarted, VDNA_RESTART_GAP);
+    /* Less than 10 s is no gap at any spacing. */
+    feed(select, 96000001, 0.5f, 0);
+    assert_int_equal(feed(select, 105000000, 0.5f, 0).restarted, VDNA_RESTART_NONE);
+}
+
+static void a_warmup_by_time_goes_on_until_it_has_enough_frames(void **state)
+{
+    (void)state;
+    vdna_select_config config = by_time(1000);
+    config.warmup_frames_min = 4;
+    vdna_select *select = selector(config);
+    for (int64_t i = 0; i < 4; i++)
+        assert_int_equal(feed(select, i * 600, 3.5f, 0).newly_ranked, 0);
+    assert_true(vdna_select_progress(select) == 1);
+    const vdna_select_answer answer = feed(select, 2400, 3.5f, 0);
+    assert_int_equal(answer.newly_ranked, 1);
+    assert_int_equal(answer.localised, 1);
+    assert_int_equal(vdna_select_window_frames(select), 4);
+}
+
+static void nanoseconds_and_whole_seconds_fill_a_warmup_by_time(void **state)
+{
+    (void)state;
+    const int64_t t0 = INT64_C(1700000000);
+    vdna_select_config config = by_time(2000000);
+    config.time_unit = VDNA_TIME_UNIT_AUTO;
+    vdna_select *select = selector(config);
+    for (int64_t i = 0; i < 20; i++)
+        assert_int_equal(feed(select, t0 * 1000000000 + i * 100000000, 3.5f, 0).newly_ranked, 0);
+    assert_int_equal(feed(select, t0 * 1000000000 + 2000000000, 3.5f, 0).newly_ranked, 1);
+    assert_int_equal(vdna_select_window_frames(select), 20);
+
+    select = selector(config);
+    for (int64_t i = 0; i < 30; i++)
+        assert_int_equal(feed(select, t0 + i / 10, 3.5f, 0).newly_ranked, 0);
+    assert_int_equal(vdna_select_restarts(select), 1);
+    assert_int_equal(vdna_select_restart_cause(select), VDNA_RESTART_UNIT);
+    /* It began anew with the second second. */
+    assert_int_equal(feed(select, t0 + 3, 3.5f, 0).newly_ranked, 1);
+    assert_int_equal(vdna_select_window_frames(select), 20);
+    assert_true(vdna_select_first_utime(select) == (t0 + 1) * 1000000);
 }
 
 static void a_refused_frame_changes_nothing_but_a_counter(void **state)
@@ -410,6 +521,12 @@ int main(void)
         cmocka_unit_test(a_warmup_by_time_is_the_frames_before_first_plus_t),
         cmocka_unit_test(camera_time_that_runs_backwards_begins_the_warmup_anew),
         cmocka_unit_test(a_backward_stamp_does_not_end_a_warmup_by_time),
+        cmocka_unit_test(a_late_frame_is_refused_and_counted_apart),
+        cmocka_unit_test(frames_that_changed_places_do_not_keep_a_warmup_from_ending),
+        cmocka_unit_test(a_gap_longer_than_a_warmup_by_time_begins_it_anew),
+        cmocka_unit_test(a_gap_of_more_frames_than_the_warmup_begins_it_anew),
+        cmocka_unit_test(a_warmup_by_time_goes_on_until_it_has_enough_frames),
+        cmocka_unit_test(nanoseconds_and_whole_seconds_fill_a_warmup_by_time),
         cmocka_unit_test(a_refused_frame_changes_nothing_but_a_counter),
         cmocka_unit_test(a_window_that_is_too_large_to_rank_begins_anew),
         cmocka_unit_test(a_window_whose_counts_are_full_begins_anew),

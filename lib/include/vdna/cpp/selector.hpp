@@ -15,10 +15,11 @@
 namespace vdna
 {
 
-/** Length of a warmup; one of the two is 0. */
+/** Length of a warmup; one of the first two is 0. */
 struct Warmup {
     uint32_t frames; /**< number of frames */
     int64_t us;      /**< microseconds of camera time */
+    uint32_t frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT; /**< fewest, if by time */
 };
 
 /** Limits of a warmup by time, for those that people ask for. */
@@ -30,9 +31,10 @@ class Selector
     /** Throws Error.
      *  @param candidates  their pointers are borrowed as long as the selector is in use
      *  @param dim  numbers in an embedding
-     *  @param where  names the map in the error */
+     *  @param where  names the map in the error
+     *  @param late_us  frames this much older than the newest are late */
     Selector(std::vector<vdna_select_candidate> candidates, uint32_t dim, const Warmup &warmup,
-             const std::string &where)
+             const std::string &where, int64_t late_us = VDNA_TIME_LATE_US_DEFAULT)
         : candidates_(std::move(candidates))
     {
         vdna_select_config config;
@@ -42,6 +44,8 @@ class Selector
         config.dim = dim;
         config.warmup_frames = warmup.frames;
         config.warmup_us = warmup.us;
+        config.warmup_frames_min = warmup.frames_min;
+        config.late_us = late_us;
         const size_t size = vdna_select_mem_size(&config);
         memory_.resize(size / sizeof(int64_t) + 1);
         const vdna_status status = vdna_select_init(&config, memory_.data(), size, &select_);

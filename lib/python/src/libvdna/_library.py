@@ -28,6 +28,7 @@ class Status(enum.IntEnum):
     CHECKSUM = 11
     UNSUPPORTED = 12
     RUNTIME = 13
+    LATE = 14
 
 
 class VdnaError(Exception):
@@ -111,6 +112,24 @@ class SelectConfig(Structure):
         ("dim", c_uint32),
         ("warmup_frames", c_uint32),
         ("warmup_us", c_int64),
+        ("late_us", c_int64),
+        ("warmup_frames_min", c_uint32),
+        ("time_unit", c_uint32),
+    ]
+
+
+class CameraTime(Structure):
+    _fields_ = [
+        ("distinct", c_int64 * 9),
+        ("late_us", c_int64),
+        ("newest_us", c_int64),
+        ("before_us", c_int64),
+        ("frames", c_uint64),
+        ("still", c_uint64),
+        ("late", c_uint64),
+        ("backwards", c_uint64),
+        ("unit", c_uint32),
+        ("distinct_count", c_uint32),
     ]
 
 
@@ -295,7 +314,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_hist_reset": (None, (POINTER(Hist),)),
         "vdna_hist_view_of": (None, (POINTER(Hist), POINTER(HistView))),
         "vdna_emd_scratch_size": (size, (c_uint32,)),
-        "vdna_select_config_init": (None, (POINTER(SelectConfig),)),
+        "vdna_select_config_init_sized": (None, (POINTER(SelectConfig), size)),
         "vdna_select_mem_size": (size, (POINTER(SelectConfig),)),
         "vdna_select_reset": (None, (address,)),
         "vdna_select_state": (c_uint32, (address,)),
@@ -310,6 +329,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_select_accepted": (c_uint64, (address,)),
         "vdna_select_rejected": (c_uint64, (address,)),
         "vdna_select_restarts": (c_uint64, (address,)),
+        "vdna_select_time": (POINTER(CameraTime), (address,)),
         "vdna_identity_precision": (c_char_p, (POINTER(IdentityFields),)),
         # Its refusals are the end of a list.
         "vdna_taps_next": (c_int32, (POINTER(c_void_p), POINTER(TapFields))),

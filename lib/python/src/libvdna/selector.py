@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ctypes import c_uint32, c_void_p
+from ctypes import c_uint32, c_void_p, sizeof
 from typing import Any, List, NamedTuple, Optional, Sequence, SupportsIndex, Tuple, Union
 
 from numpy.typing import ArrayLike
@@ -16,6 +16,7 @@ from .histogram import HistogramView, view_of
 
 _SELECTED = 1
 _INT64_MAX = 2**63 - 1
+_TIME_UNITS = ("auto", "us", "ns", "ms", "s")  # indexed by VDNA_TIME_UNIT_...
 
 
 class Candidate(NamedTuple):
@@ -44,7 +45,8 @@ class Answer(NamedTuple):
     newly_ranked: bool
     """Whether this frame completed the warmup."""
     restarted: bool
-    """Whether camera time ran backwards, so that the warmup began anew."""
+    """Whether the warmup began anew: camera time stepped back, or had a gap longer than the warmup,
+    or turned out to have another unit."""
     match: Optional[Match]
     """None if the frame was not localised."""
 
@@ -61,11 +63,18 @@ class Selector:
         *,
         warmup_frames: SupportsIndex = 0,
         warmup_us: SupportsIndex = 0,
+        warmup_frames_min: SupportsIndex = 10,
+        late_us: SupportsIndex = 1_000_000,
+        time_unit: str = "auto",
     ) -> None:
         """
         candidates: at least one, all of one shape, range and dim; not copied
         warmup_frames: the first N accepted frames, or
         warmup_us: the first T microseconds of camera time; exactly one of both is not 0
+        warmup_frames_min: a warmup by time goes on until it has as many frames
+        late_us: a frame at most this much older than the newest is late; an older one begins the
+                 warmup anew
+        time_unit: of the stamps: "us", "ns", "ms", "s", or "auto" to recognise it
         VdnaError: MISMATCH if the candidates do not compare, EMPTY or OVERFLOW as emd()
         """
         if not candidates:
@@ -80,7 +89,7 @@ class Selector:
             out.frames = integer(len(values), "the number of frames", 1, UINT32_MAX)
 
         config = SelectConfig()
-        lib.vdna_select_config_init(config)
+        lib.vdna_select_config_init_sized(config, sizeof(config))
         config.candidates = structs
         config.candidate_count = len(structs)
         config.dim = integer(self._dim, "dim", 1, UINT32_MAX)
@@ -88,6 +97,11 @@ class Selector:
         config.warmup_us = integer(warmup_us, "warmup_us", 0, _INT64_MAX)
         if (config.warmup_frames > 0) == (config.warmup_us > 0):
             raise ValueError("give either warmup_frames or warmup_us")
+        config.warmup_frames_min = integer(warmup_frames_min, "warmup_frames_min", 0, UINT32_MAX)
+        config.late_us = integer(late_us, "late_us", 0, _INT64_MAX)
+        if time_unit not in _TIME_UNITS:
+            raise ValueError(f"time_unit is {time_unit!r}, expected one of {', '.join(_TIME_UNITS)}")
+        config.time_unit = _TIME_UNITS.index(time_unit)
         memory = block(lib.vdna_select_mem_size(config))
         self._select = c_void_p()  # within `memory`
         lib.vdna_select_init(config, memory.ctypes.data, memory.nbytes, self._select)
@@ -101,11 +115,11 @@ class Selector:
     def feed(self, utime: SupportsIndex, embedding: ArrayLike, *taps: Tap) -> Answer:
         """Take one live frame; nothing of it is kept.
 
-        utime: the camera's stamp in microseconds. One earlier than the newest of the warmup begins
-               the warmup anew with this frame
+        utime: the camera's stamp
         embedding: float32 [dim]
         taps: as for Histogram.add()
-        VdnaError: MISMATCH or NONFINITE for a bad frame, which is counted as rejected; OVERFLOW or
+        VdnaError: MISMATCH or NONFINITE for a bad frame, which is counted as rejected; LATE for one
+                   older than a frame before it, which is counted as late; OVERFLOW or
                    FULL if the window is too large to rank, in which case the warmup begins anew
         """
         values = shaped(floats(embedding, "embedding"), (self._dim,), "embedding")
@@ -184,6 +198,11 @@ class Selector:
         return int(lib.vdna_select_rejected(self._select))
 
     @property
+    def late(self) -> int:
+        """Frames left out because they were older than one before them."""
+        return int(lib.vdna_select_time(self._select).contents.late)
+
+    @property
     def restarts(self) -> int:
-        """Warmups begun anew because camera time ran backwards."""
+        """Warmups begun anew because of their frames' times."""
         return int(lib.vdna_select_restarts(self._select))
