@@ -46,6 +46,7 @@ Frames::Frames(const frames::Dataset &dataset, Backbone &backbone, const Cache &
 void Frames::record(const frames::DatasetTraversal &from, Traversal &to,
                     std::vector<std::string> &keys, const FramesOptions &options)
 {
+    to.recording.account = from.account;
     program::Progress progress(from.name, from.frames.size());
     for (size_t i = 0; i < from.frames.size(); i++) {
         program::require_not_interrupted();
@@ -61,12 +62,11 @@ void Frames::record(const frames::DatasetTraversal &from, Traversal &to,
             if (!options.skip_bad)
                 throw Error(bad.what() + std::string("; replace or remove it, or leave out "
                                                      "pictures like it with --skip-bad"));
-            to.recording.bad++;
+            if (to.recording.account.bad++ == 0)
+                to.recording.account.first_bad = bad.what();
         }
     }
-    if (to.recording.frames == 0)
-        throw Error(from.name + ": none of its " + std::to_string(from.frames.size()) +
-                    " pictures can be used");
+    to.recording.require_frames(from.name);
 }
 
 CachedFrame Frames::frame_of(const std::vector<uint8_t> &picture, const std::string &key,

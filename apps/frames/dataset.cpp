@@ -4,6 +4,7 @@
 #include <set>
 
 #include "frames/source.hpp"
+#include "frames/utm_name.hpp"
 
 namespace vdna::frames
 {
@@ -15,38 +16,67 @@ namespace fs = std::filesystem;
 
 bool begins_with_at(const fs::path &folder)
 {
-    return pictures_in(folder).front().filename().string()[0] == '@';
+    return holds_pictures(folder) && is_utm_name(pictures_in(folder).front());
+}
+
+bool has_table(const fs::path &folder)
+{
+    return fs::exists(folder / "labels.csv");
 }
 
 // Detect the format from the names of files and folders.
-std::string format_of(const fs::path &path)
+std::string format_of(const fs::path &path, const DatasetOptions &options)
 {
     if (fs::exists(path / "manifest.csv"))
         return "manifest";
-    const std::vector<fs::path> folders = folders_in(path);
+    std::vector<std::string> unused;
+    const std::vector<fs::path> folders = traversal_folders(path, options, unused);
     const auto all = [&](auto is_such) {
         return !folders.empty() && std::all_of(folders.begin(), folders.end(), is_such);
     };
-    if (all([](const fs::path &folder) { return fs::exists(folder / "labels.csv"); }))
+    if (all(has_table))
         return "folders";
     if (all([](const fs::path &folder) { return !season_of(folder).empty(); }))
         return "nordland";
     if (all(begins_with_at))
         return "utm";
-    throw Error(path.string() + ": not known as a data set; expected manifest.csv, or a folder for "
-                                "each traversal, with labels.csv, or with pictures called "
-                                "@UTM_EAST@UTM_NORTH@...; or set --format");
+    const auto spoils = std::find_if_not(folders.begin(), folders.end(), has_table);
+    throw Error((std::any_of(folders.begin(), folders.end(), has_table)
+                     ? spoils->string() + ": has no labels.csv as its neighbours have"
+                     : path.string() + ": not known as a data set") +
+                "; expected manifest.csv, or a folder for each traversal, with labels.csv, or with "
+                "pictures called @UTM_EAST@UTM_NORTH@...; or set --format");
 }
 
-Dataset load(const fs::path &path, const std::string &format, size_t partition_frames)
+Dataset load(const fs::path &path, const std::string &format, const DatasetOptions &options)
 {
     if (format == "manifest")
         return load_manifest(path);
     if (format == "nordland")
-        return load_nordland(path, partition_frames);
+        return load_nordland(path, options);
     if (format == "parks")
-        return load_parks(path);
-    return format == "utm" ? load_utm(path) : load_folders(path);
+        return load_parks(path, options);
+    return format == "utm" ? load_utm(path, options) : load_folders(path, options);
+}
+
+// Bring stamps to microseconds, and leave out late frames.
+void put_on_time_axis(DatasetTraversal &traversal)
+{
+    std::vector<int64_t> stamps;
+    for (const DatasetFrame &frame : traversal.frames)
+        if (frame.label.utime)
+            stamps.push_back(*frame.label.utime);
+    TimeAxis axis(stamps, VDNA_TIME_UNIT_AUTO, VDNA_TIME_LATE_US_DEFAULT);
+    std::vector<DatasetFrame> in_order;
+    for (DatasetFrame &frame : traversal.frames) {
+        const bool is_stamped = frame.label.utime.has_value();
+        if (is_stamped)
+            frame.label.utime = axis.take(*frame.label.utime);
+        if (!is_stamped || frame.label.utime)
+            in_order.push_back(std::move(frame));
+    }
+    traversal.frames = std::move(in_order);
+    axis.describe(traversal.account);
 }
 
 void require_usable(const Dataset &dataset)
@@ -70,12 +100,15 @@ void require_usable(const Dataset &dataset)
 const std::vector<std::string> dataset_formats = {"folders", "manifest", "nordland", "parks",
                                                   "utm"};
 
-Dataset load_dataset(const std::string &path, const std::string &format, size_t partition_frames)
+Dataset load_dataset(const std::string &path, const DatasetOptions &options)
 {
     if (!fs::is_directory(path))
         throw Error(path + ": not a directory, expected a data set");
-    Dataset dataset = load(path, format.empty() ? format_of(path) : format, partition_frames);
+    Dataset dataset =
+        load(path, options.format.empty() ? format_of(path, options) : options.format, options);
     dataset.path = path;
+    for (DatasetTraversal &traversal : dataset.traversals)
+        put_on_time_axis(traversal);
     require_usable(dataset);
     return dataset;
 }
@@ -90,18 +123,35 @@ std::string usual_warmup(const Dataset &dataset)
     return std::to_string(std::max<size_t>(shortest * 2 / 5, 2));
 }
 
-std::vector<fs::path> folders_in(const fs::path &path)
+std::vector<fs::path> traversal_folders(const fs::path &path, const DatasetOptions &options,
+                                        std::vector<std::string> &notes)
 {
     std::vector<fs::path> folders;
-    std::error_code failure;
-    for (fs::directory_iterator entry(path, failure), end; !failure && entry != end;
-         entry.increment(failure))
-        if (entry->is_directory() && entry->path().filename().string()[0] != '.')
-            folders.push_back(*entry);
-    if (failure)
-        throw Error(path.string() + ": cannot read this folder: " + failure.message());
-    std::sort(folders.begin(), folders.end());
+    for (const fs::path &folder : folders_in(path)) {
+        const std::string name = folder.filename().string();
+        if (std::count(options.exclude.begin(), options.exclude.end(), name) > 0)
+            continue;
+        const std::vector<fs::path> inner = folders_in(folder);
+        if (holds_pictures(folder) || fs::exists(folder / "labels.csv") ||
+            std::any_of(inner.begin(), inner.end(), holds_pictures))
+            folders.push_back(folder);
+        else
+            notes.push_back(folder.string() + ": no pictures, passed over");
+    }
     return folders;
+}
+
+DatasetTraversal traversal_of(const fs::path &folder, const PictureList &list,
+                              const std::function<Label(const ListedPicture &)> &label_of)
+{
+    DatasetTraversal traversal{folder.filename().string(), "", {}, {}};
+    traversal.account.order = list.order;
+    traversal.account.notes = list.notes;
+    for (const ListedPicture &picture : list.pictures) {
+        traversal.frames.push_back({picture.file, label_of(picture)});
+        traversal.frames.back().label.utime = picture.stamp;
+    }
+    return traversal;
 }
 
 } // namespace vdna::frames

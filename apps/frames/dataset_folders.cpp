@@ -8,28 +8,27 @@ namespace vdna::frames
 namespace
 {
 
-DatasetTraversal traversal_of(const std::filesystem::path &folder)
+DatasetTraversal labelled_traversal(const std::filesystem::path &folder)
 {
     const Labels labels(folder / "labels.csv");
-    DatasetTraversal traversal{folder.filename().string(), "", {}};
-    for (const std::filesystem::path &file : pictures_in(folder))
-        traversal.frames.push_back({file, labels.find(file, traversal.frames.size())});
-    return traversal;
+    return traversal_of(folder, list_pictures(folder, &labels), [&](const ListedPicture &picture) {
+        return labels.find(picture.file, picture.number);
+    });
 }
 
 } // namespace
 
-Dataset load_folders(const std::filesystem::path &path)
+Dataset load_folders(const std::filesystem::path &path, const DatasetOptions &options)
 {
     Dataset dataset;
-    for (const std::filesystem::path &folder : folders_in(path))
-        dataset.traversals.push_back(traversal_of(folder));
+    for (const std::filesystem::path &folder : traversal_folders(path, options, dataset.notes))
+        dataset.traversals.push_back(labelled_traversal(folder));
     return dataset;
 }
 
-Dataset load_parks(const std::filesystem::path &path)
+Dataset load_parks(const std::filesystem::path &path, const DatasetOptions &options)
 {
-    Dataset dataset = load_folders(path);
+    Dataset dataset = load_folders(path, options);
     dataset.warmup = "45s";
     for (const DatasetTraversal &traversal : dataset.traversals) {
         const Label &first = traversal.frames.front().label;

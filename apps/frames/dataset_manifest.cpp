@@ -86,7 +86,8 @@ Dataset load_manifest(const fs::path &path)
     for (auto &[name, entries] : traversals) {
         std::stable_sort(entries.begin(), entries.end(),
                          [](const Entry &a, const Entry &b) { return a.order < b.order; });
-        DatasetTraversal traversal{name, "", {}};
+        DatasetTraversal traversal{name, "", {}, {}};
+        traversal.account.order = "order";
         for (const Entry &entry : entries)
             traversal.frames.push_back({entry.file, labels.find(entry.file, 0)});
         dataset.traversals.push_back(std::move(traversal));

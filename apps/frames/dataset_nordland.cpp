@@ -52,7 +52,8 @@ std::vector<Pictures> partitions_of(const fs::path &season, size_t partition_fra
 DatasetTraversal traversal_of(const std::string &season, size_t partition, const Pictures &files)
 {
     const std::string group = "test:" + std::to_string(partition + 1);
-    DatasetTraversal traversal{group + "/" + season, group, {}};
+    DatasetTraversal traversal{group + "/" + season, group, {}, {}};
+    traversal.account.order = "numbers";
     const bool numbered = std::all_of(files.begin(), files.end(),
                                       [](const fs::path &f) { return number_of(f).has_value(); });
     for (size_t i = 0; i < files.size(); i++) {
@@ -80,17 +81,17 @@ std::string season_of(const fs::path &folder)
     return "";
 }
 
-Dataset load_nordland(const fs::path &path, size_t partition_frames)
+Dataset load_nordland(const fs::path &path, const DatasetOptions &options)
 {
     Dataset dataset;
     dataset.warmup = "100";
     dataset.stride = 5;
-    for (const fs::path &folder : folders_in(path)) {
+    for (const fs::path &folder : traversal_folders(path, options, dataset.notes)) {
         const std::string season = season_of(folder);
         if (season.empty())
             throw Error(folder.string() +
                         ": not named after a season, expected spring, summer, fall and winter");
-        const std::vector<Pictures> partitions = partitions_of(folder, partition_frames);
+        const std::vector<Pictures> partitions = partitions_of(folder, options.partition_frames);
         for (size_t i = 0; i < partitions.size(); i++)
             dataset.traversals.push_back(traversal_of(season, i, partitions[i]));
     }

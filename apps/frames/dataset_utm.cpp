@@ -1,8 +1,10 @@
 // Pictures with their position in the file name: @UTM_EAST@UTM_NORTH@ZONE@...@.jpg.
 #include <charconv>
 
+#include <vdna/cpp/error.hpp>
+
 #include "frames/dataset.hpp"
-#include "frames/source.hpp"
+#include "frames/utm_name.hpp"
 
 namespace vdna::frames
 {
@@ -11,19 +13,6 @@ namespace
 {
 
 namespace fs = std::filesystem;
-
-// The fields between the '@' of a file name.
-std::vector<std::string> fields_of(const fs::path &file)
-{
-    const std::string name = file.filename().string();
-    std::vector<std::string> fields;
-    for (size_t at = 0; at < name.size() && name[at] == '@';) {
-        const size_t next = std::min(name.find('@', at + 1), name.size());
-        fields.push_back(name.substr(at + 1, next - at - 1));
-        at = next;
-    }
-    return fields;
-}
 
 double metres(const fs::path &file, const std::string &field)
 {
@@ -38,33 +27,32 @@ double metres(const fs::path &file, const std::string &field)
 
 Label label_of(const fs::path &file, std::string &zone)
 {
-    const std::vector<std::string> fields = fields_of(file);
-    if (fields.size() < 3)
+    const UtmName name = utm_name_of(file);
+    if (name.east.empty() || name.north.empty())
         throw Error(file.string() + ": expected a name that begins with @UTM_EAST@UTM_NORTH@");
     if (zone.empty())
-        zone = fields[2];
+        zone = name.zone;
     // Eastings of two zones have different origins.
-    if (fields[2] != zone)
-        throw Error(file.string() + ": lies in UTM zone " + fields[2] + ", expected zone " + zone +
+    if (name.zone != zone)
+        throw Error(file.string() + ": lies in UTM zone " + name.zone + ", expected zone " + zone +
                     " as the first picture");
     Label label;
-    label.position = {{metres(file, fields[0]), metres(file, fields[1]), 0}};
+    label.position = {{metres(file, name.east), metres(file, name.north), 0}};
     return label;
 }
 
 } // namespace
 
-Dataset load_utm(const fs::path &path)
+Dataset load_utm(const fs::path &path, const DatasetOptions &options)
 {
     Dataset dataset;
     dataset.tolerance = 25; // metres, as in other tools that use these names
     std::string zone;
-    for (const fs::path &folder : folders_in(path)) {
-        DatasetTraversal traversal{folder.filename().string(), "", {}};
-        for (const fs::path &file : pictures_in(folder))
-            traversal.frames.push_back({file, label_of(file, zone)});
-        dataset.traversals.push_back(std::move(traversal));
-    }
+    for (const fs::path &folder : traversal_folders(path, options, dataset.notes))
+        dataset.traversals.push_back(
+            traversal_of(folder, list_pictures(folder, nullptr), [&](const ListedPicture &picture) {
+                return label_of(picture.file, zone);
+            }));
     return dataset;
 }
 

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <vdna/cpp/error.hpp>
@@ -86,7 +87,7 @@ std::optional<std::array<double, 3>> position_of(const Cells &cells, const CsvRo
 Label label_of(const Cells &cells, const CsvRow &row)
 {
     Label label;
-    if (cells.has("utime"))
+    if (cells.has("utime") && !cells.text(row, "utime").empty())
         label.utime = cells.whole<int64_t>(row, "utime");
     if (cells.has("place"))
         label.place = cells.whole<int64_t>(row, "place");
@@ -155,6 +156,47 @@ const Label &Labels::find(const std::filesystem::path &file, uint64_t frame) con
                     (by_file_ ? file.string() : "frame " + std::to_string(frame)) +
                     ", expected one for every frame; add it");
     return row->second;
+}
+
+std::vector<std::filesystem::path>
+Labels::others_below(const std::filesystem::path &folder,
+                     const std::vector<std::filesystem::path> &files) const
+{
+    std::vector<std::filesystem::path> others;
+    if (!by_file_)
+        return others;
+    Resolver resolve;
+    std::set<std::string> known;
+    for (const std::filesystem::path &file : files)
+        known.insert(resolve(file).string());
+    const std::string below = resolve(folder / "").string();
+    for (const auto &[file, label] : rows_)
+        if (known.count(file) == 0 && file.compare(0, below.size(), below) == 0)
+            others.push_back(folder / file.substr(below.size()));
+    return others;
+}
+
+std::vector<int64_t> Labels::frame_utimes() const
+{
+    std::vector<int64_t> utimes;
+    if (by_file_)
+        return utimes;
+    std::map<uint64_t, int64_t> by_number;
+    for (const auto &[frame, label] : rows_)
+        if (label.utime)
+            by_number[std::stoull(frame)] = *label.utime;
+    for (const auto &[frame, utime] : by_number)
+        utimes.push_back(utime);
+    return utimes;
+}
+
+uint64_t Labels::numbered_frames() const
+{
+    uint64_t frames = 0;
+    if (!by_file_)
+        for (const auto &[frame, label] : rows_)
+            frames = std::max<uint64_t>(frames, std::stoull(frame) + 1);
+    return frames;
 }
 
 std::array<double, 3> ecef_of(double lat_deg, double lon_deg, double alt_m)

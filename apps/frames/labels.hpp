@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace vdna::frames
 {
@@ -30,6 +31,17 @@ class Labels
     // The row of a frame, identified by its index and, for a picture, its path ("" otherwise).
     // Throws Error if there is none.
     const Label &find(const std::filesystem::path &file, uint64_t frame) const;
+
+    // Files in `folder` or below that rows are about, other than `files`, which are in the folder.
+    std::vector<std::filesystem::path>
+    others_below(const std::filesystem::path &folder,
+                 const std::vector<std::filesystem::path> &files) const;
+
+    // The stamps of a table that numbers frames, in the order of these numbers.
+    std::vector<int64_t> frame_utimes() const;
+
+    // One more than the largest frame number; 0 for a table of files.
+    uint64_t numbered_frames() const;
 
   private:
     std::string csv_;

@@ -1,15 +1,10 @@
-// Camera frames of an LCM log file written by lcm-logger.
-//
-// Each event is a 28-byte big-endian header (magic u32, number i64, time i64 in microseconds,
-// channel length u32, data length u32), the channel and the data. liblcm's own reader is not used
-// because it crashes on a damaged length.
-#include <array>
+// Camera frames of an LCM log.
 #include <fstream>
-#include <set>
 #include <vector>
 
 #include <vdna/transport.h>
 
+#include "frames/log_events.hpp"
 #include "frames/source.hpp"
 
 namespace vdna::frames
@@ -18,58 +13,47 @@ namespace vdna::frames
 namespace
 {
 
-constexpr uint32_t magic = 0xEDA1DA01;
-constexpr size_t header_size = 28;
-constexpr uint32_t channel_max = 1000; // bytes, as liblcm allows
-
-uint32_t u32_at(const uint8_t *bytes)
+std::string joined(const std::set<std::string> &names)
 {
-    return uint32_t{bytes[0]} << 24 | uint32_t{bytes[1]} << 16 | uint32_t{bytes[2]} << 8 | bytes[3];
+    std::string text;
+    for (const std::string &name : names)
+        text += " " + name;
+    return text;
 }
 
-bool read_bytes(std::ifstream &stream, void *out_bytes, size_t size)
+std::string loss_of(const LogDamage &damage)
 {
-    return static_cast<bool>(
-        stream.read(static_cast<char *>(out_bytes), static_cast<std::streamsize>(size)));
+    return "damaged at byte " + std::to_string(damage.offset) + ": " + std::to_string(damage.size) +
+           " bytes are no events" +
+           (damage.lost_events > 0 ? ", " + std::to_string(damage.lost_events) + " events are lost"
+                                   : "");
 }
 
 class LogReader : public Reader
 {
   public:
-    LogReader(const std::string &path, const std::string &channel)
-        : path_(path), stream_(path, std::ios::binary)
+    LogReader(const std::string &path, const SourceOptions &options)
+        : path_(path), stream_(path, std::ios::binary), log_(read_log(path, options.camera))
     {
-        std::set<std::string> others;
-        uint64_t at = 0;
-        const uint64_t end = std::filesystem::file_size(path);
-        // Ignore half an event at the end: a logger that was killed leaves one.
-        while (end - at >= header_size) {
-            std::string name;
-            const Event event = event_at(at, end, name);
-            at = event.offset + event.size;
-            if (at > end)
-                break;
-            if (name == channel)
-                events_.push_back(event);
-            else
-                others.insert(name);
-        }
-        if (events_.empty())
-            throw Error(path + ": no message on channel " + channel + ", expected camera frames; " +
-                        (others.empty() ? "it holds no others" : "set --camera to one of:") +
-                        joined(others));
+        if (log_.events.empty())
+            throw Error(
+                path + ": no message on channel " + options.camera + ", expected camera frames; " +
+                (log_.channels.empty()
+                     ? "it holds no others"
+                     : "set " + options.camera_option + " to one of:" + joined(log_.channels)));
     }
 
     bool read(Frame &out_frame) override
     {
-        if (next_ == events_.size())
+        complain_of_damage();
+        if (next_ == log_.events.size())
             return false;
-        const Event &event = events_[next_];
+        const LogEvent &event = log_.events[next_];
         const std::string name = path_ + ": frame " + std::to_string(next_);
         out_frame.index = next_++;
         bytes_.resize(event.size);
         stream_.seekg(static_cast<std::streamoff>(event.offset));
-        if (!read_bytes(stream_, bytes_.data(), event.size))
+        if (!stream_.read(reinterpret_cast<char *>(bytes_.data()), event.size))
             throw Error(name + ": cannot read; the log changed while it was open");
         vdna_transport_frame camera;
         if (vdna_transport_parse_image(bytes_.data(), bytes_.size(), &camera) != VDNA_OK)
@@ -82,64 +66,56 @@ class LogReader : public Reader
 
     bool skip() override
     {
-        if (next_ == events_.size())
+        complain_of_damage();
+        if (next_ == log_.events.size())
             return false;
         next_++;
         return true;
     }
 
-    uint64_t size() const override { return events_.size(); }
+    uint64_t size() const override { return log_.events.size(); }
 
-  private:
-    // The place of an event's data in the file.
-    struct Event {
-        uint64_t offset;
-        uint32_t size; // bytes
-    };
-
-    Event event_at(uint64_t at, uint64_t end, std::string &out_channel)
+    std::vector<int64_t> stamps() const override
     {
-        std::array<uint8_t, header_size> header;
-        stream_.seekg(static_cast<std::streamoff>(at));
-        const bool complete = read_bytes(stream_, header.data(), header.size());
-        const uint32_t length = u32_at(&header[20]), size = u32_at(&header[24]);
-        if (!complete || u32_at(header.data()) != magic || length == 0 || length > channel_max)
-            throw Error(path_ + ": damaged at byte " + std::to_string(at) +
-                        ", expected an event of an LCM log");
-        out_channel.resize(length);
-        // A channel name cut off by the end of the file is also half an event.
-        if (length > end - at - header_size || !read_bytes(stream_, out_channel.data(), length))
-            return {end, 1};
-        return {at + header_size + length, size};
+        std::vector<int64_t> stamps;
+        for (const LogEvent &event : log_.events)
+            stamps.push_back(event.stamp);
+        return stamps;
     }
 
-    static std::string joined(const std::set<std::string> &names)
+    void describe(Account &account) const override
     {
-        std::string text;
-        for (const std::string &name : names)
-            text += " " + name;
-        return text;
+        account.order = "log";
+        if (log_.half_event > 0)
+            account.notes.push_back("ends in half an event of " + std::to_string(log_.half_event) +
+                                    " bytes, left out");
+        if (log_.zeros > 0)
+            account.notes.push_back("ends in " + std::to_string(log_.zeros) +
+                                    " bytes of zeros, left out");
+    }
+
+  private:
+    // Each damage is complained of once, before the first frame after it.
+    void complain_of_damage()
+    {
+        if (next_damage_ == log_.damages.size() || log_.damages[next_damage_].next > next_)
+            return;
+        throw BadFrame(path_ + ": " + loss_of(log_.damages[next_damage_++]));
     }
 
     std::string path_;
     std::ifstream stream_;
-    std::vector<Event> events_;
+    LogContents log_;
     std::vector<uint8_t> bytes_;
     size_t next_ = 0;
+    size_t next_damage_ = 0;
 };
 
 } // namespace
 
-bool is_lcm_log(const std::string &path)
+std::unique_ptr<Reader> open_lcm_log(const std::string &path, const SourceOptions &options)
 {
-    std::ifstream stream(path, std::ios::binary);
-    std::array<uint8_t, 4> bytes;
-    return read_bytes(stream, bytes.data(), bytes.size()) && u32_at(bytes.data()) == magic;
-}
-
-std::unique_ptr<Reader> open_lcm_log(const std::string &path, const std::string &channel)
-{
-    return std::make_unique<LogReader>(path, channel);
+    return std::make_unique<LogReader>(path, options);
 }
 
 } // namespace vdna::frames

@@ -1,6 +1,6 @@
 #include "frames/source.hpp"
 
-#include <cmath>
+#include "frames/log_events.hpp"
 
 namespace vdna::frames
 {
@@ -20,50 +20,103 @@ std::optional<Labels> labels_of(const std::string &path, const SourceOptions &op
     return fs::exists(own) ? std::optional<Labels>(own) : std::nullopt;
 }
 
+// The stamps of the frames that are known beforehand.
+std::vector<int64_t> stamps_of(const Reader &reader, const std::optional<Labels> &labels)
+{
+    const std::vector<int64_t> of_labels = labels ? labels->frame_utimes() : std::vector<int64_t>();
+    return of_labels.empty() ? reader.stamps() : of_labels;
+}
+
 } // namespace
 
 Source::Source(const std::string &path, const SourceOptions &options)
-    : path_(path), options_(options), reader_(open_reader(path, options)),
-      labels_(labels_of(path, options)), to_skip_(options.skip)
+    : path_(path), options_(options), labels_(labels_of(path, options)),
+      reader_(open_reader(path, options, labels_ ? &*labels_ : nullptr)),
+      axis_(stamps_of(*reader_, labels_), options.time_unit,
+            static_cast<int64_t>(options.late_s * 1e6)),
+      to_skip_(options.skip)
 {
-    if (options.skip >= reader_->size())
+    if (reader_->size() > 0 && options.skip >= reader_->size())
         throw Error(path + ": has " + std::to_string(reader_->size()) +
                     " frames, expected more than the " + std::to_string(options.skip) + " to skip");
 }
 
 bool Source::next(Frame &out_frame)
 {
-    for (; to_skip_ > 0; to_skip_--)
+    for (;;) {
+        Frame frame;
+        if (!read(frame)) {
+            complain_of_rows_without_frames();
+            return false;
+        }
+        const std::optional<int64_t> utime = axis_.take(frame.utime);
+        if (!utime)
+            continue;
+        frame.utime = *utime;
+        out_frame = frame;
+        return true;
+    }
+}
+
+bool Source::read(Frame &out_frame)
+{
+    for (; to_skip_ > 0; to_skip_--, read_++)
         if (!reader_->skip())
             return false;
     // Set before reading, so that a bad frame also counts as the frame to keep.
     to_skip_ = options_.every - 1;
-    Frame frame;
-    if (!reader_->read(frame))
+    if (!reader_->read(out_frame))
         return false;
+    read_++;
     if (labels_)
-        frame.label = labels_->find(frame.file, frame.index);
-    if (frame.label.utime)
-        frame.utime = *frame.label.utime;
-    out_frame = frame;
+        out_frame.label = labels_->find(out_frame.file, out_frame.index);
+    if (out_frame.label.utime)
+        out_frame.utime = *out_frame.label.utime;
     return true;
+}
+
+// A table that numbers frames tells how many there should be.
+void Source::complain_of_rows_without_frames()
+{
+    const uint64_t rows = labels_ ? labels_->numbered_frames() : 0;
+    const uint64_t frames = std::max(read_, reader_->size());
+    if (rows <= frames)
+        return;
+    read_ = rows;
+    throw BadFrame(path_ + ": ends after " + std::to_string(frames) +
+                       " frames, but the table has rows up to frame " + std::to_string(rows - 1),
+                   rows - frames);
 }
 
 uint64_t Source::size() const
 {
+    if (reader_->size() <= options_.skip)
+        return 0;
     return (reader_->size() - options_.skip + options_.every - 1) / options_.every;
 }
 
-std::unique_ptr<Reader> open_reader(const std::string &path, const SourceOptions &options)
+Account Source::account() const
 {
+    Account account;
+    account.expected = reader_->size();
+    reader_->describe(account);
+    axis_.describe(account);
+    return account;
+}
+
+std::unique_ptr<Reader> open_reader(const std::string &path, const SourceOptions &options,
+                                    const Labels *labels)
+{
+    const std::vector<std::string> parts = parts_of(path);
+    if (parts.size() > 1)
+        return open_joined(parts, options);
     std::error_code failure;
     const fs::file_status status = fs::status(path, failure);
     if (!fs::exists(status))
         throw Error(path + ": not found, expected a folder of pictures, a video or an LCM log");
     if (fs::is_directory(status))
-        return open_folder(path, options.rate_hz);
-    return is_lcm_log(path) ? open_lcm_log(path, options.camera)
-                            : open_video(path, options.rate_hz);
+        return open_folder(path, options.rate_hz, labels);
+    return is_lcm_log(path) ? open_lcm_log(path, options) : open_video(path, options.rate_hz);
 }
 
 } // namespace vdna::frames

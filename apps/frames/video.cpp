@@ -1,9 +1,11 @@
 // Frames of a video file.
 #include <cmath>
+#include <utility>
 
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "frames/ffmpeg_errors.hpp"
 #include "frames/source.hpp"
 
 namespace vdna::frames
@@ -11,6 +13,9 @@ namespace vdna::frames
 
 namespace
 {
+
+// Frames by which the header of a sound video may be wrong: some containers only know a duration.
+constexpr uint64_t count_tolerance = 1;
 
 class VideoReader : public Reader
 {
@@ -21,21 +26,30 @@ class VideoReader : public Reader
         cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
         // FFmpeg only: other backends look for cameras, load plug-ins, or treat a picture as the
         // first of a sequence.
-        if (!video_.open(path, cv::CAP_FFMPEG) || video_.get(cv::CAP_PROP_FRAME_COUNT) < 1)
+        if (!video_.open(path, cv::CAP_FFMPEG))
             throw Error(path + ": neither a folder, nor an LCM log, nor a video that OpenCV can "
                                "read; expected one of these");
+        collect_ffmpeg_errors(); // opening a video sets OpenCV's own
         const double fps = video_.get(cv::CAP_PROP_FPS);
         if (std::isfinite(fps) && fps > 0)
             rate_hz_ = fps;
+        // Streams, and recordings whose writer could not go back, do not say how many they hold.
+        const double count = video_.get(cv::CAP_PROP_FRAME_COUNT);
+        if (count >= 1)
+            size_ = static_cast<uint64_t>(count);
     }
 
     bool read(Frame &out_frame) override
     {
-        if (!video_.read(picture_))
-            return false;
-        out_frame.index = next_++;
+        if (!grab() || !video_.retrieve(picture_))
+            return end();
+        out_frame.index = next_ - 1;
         out_frame.name = path_ + ": frame " + std::to_string(out_frame.index);
-        out_frame.utime = std::llround(static_cast<double>(out_frame.index) * 1e6 / rate_hz_);
+        out_frame.utime = utime_;
+        reason_ = take_ffmpeg_error();
+        // If no frame follows, the video breaks off behind this one.
+        if (!reason_.empty() && (is_ahead_ = advance()))
+            throw BadFrame(out_frame.name + ": damaged: " + reason_);
         if (picture_.type() != CV_8UC3)
             throw BadFrame(out_frame.name +
                            ": not 8-bit colour, which OpenCV was expected to give");
@@ -48,23 +62,58 @@ class VideoReader : public Reader
         return true;
     }
 
-    bool skip() override
-    {
-        next_++;
-        return video_.grab();
-    }
+    bool skip() override { return grab() || end(); }
 
-    uint64_t size() const override
-    {
-        return static_cast<uint64_t>(video_.get(cv::CAP_PROP_FRAME_COUNT));
-    }
+    uint64_t size() const override { return size_; }
+
+    void describe(Account &account) const override { account.order = "video"; }
 
   private:
+    bool grab() { return std::exchange(is_ahead_, false) || advance(); }
+
+    // Go to the next frame and find out its time: the container's, or without one that of a regular
+    // beat.
+    bool advance()
+    {
+        if (!video_.grab())
+            return false;
+        const double container_ms = video_.get(cv::CAP_PROP_POS_MSEC);
+        const int64_t beat = std::llround(static_cast<double>(next_) * 1e6 / rate_hz_);
+        has_times_ = has_times_ && container_ms >= 0 && (next_ == 0 || container_ms > 0);
+        if (!has_times_)
+            size_ = 0; // bare pictures in a row: FFmpeg guesses their number from the bit rate
+        utime_ = has_times_ ? std::llround(container_ms * 1e3) : beat;
+        next_++;
+        return true;
+    }
+
+    // False; complains once if the video ends too early.
+    bool end()
+    {
+        const uint64_t missing = size_ > next_ + count_tolerance ? size_ - next_ : 0;
+        const std::string last = take_ffmpeg_error();
+        const std::string reason = last.empty() ? std::exchange(reason_, "") : last;
+        reason_.clear();
+        if (missing == 0 && reason.empty())
+            return false;
+        const std::string sentence = path_ + ": ends after " + std::to_string(next_) + " frames" +
+                                     (size_ > 0 ? " of " + std::to_string(size_) : "") +
+                                     (reason.empty() ? "" : " (" + reason + ")") +
+                                     ": cut short or damaged";
+        size_ = next_;
+        throw BadFrame(sentence, std::max<uint64_t>(missing, 1));
+    }
+
     std::string path_;
     double rate_hz_;
+    uint64_t size_ = 0;     // 0 = unknown
+    std::string reason_;    // FFmpeg's complaint about the frame read last
+    bool is_ahead_ = false; // a frame beyond it was grabbed already
+    bool has_times_ = true;
     cv::VideoCapture video_;
     cv::Mat picture_;
     uint64_t next_ = 0;
+    int64_t utime_ = 0; // of the frame grabbed last
 };
 
 } // namespace

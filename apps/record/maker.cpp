@@ -16,12 +16,10 @@ void count(Draft &draft, const Pass &pass)
     draft.histogram->add(pass.output().taps, pass.output().tap_count, pass.frame().name);
 }
 
-void require_frames(Draft &draft, const Pass &pass)
+void end_recording(Draft &draft, const Pass &pass)
 {
-    draft.recording.bad = pass.bad();
-    if (draft.recording.frames == 0)
-        throw Error(draft.source + ": none of its " + std::to_string(pass.bad()) +
-                    " frames can be used");
+    draft.recording.account = pass.account();
+    draft.recording.require_frames(draft.source);
 }
 
 } // namespace
@@ -50,7 +48,7 @@ void Maker::record_and_count(Draft &draft)
         draft.recording.add(pass);
         count(draft, pass);
     }
-    require_frames(draft, pass);
+    end_recording(draft, pass);
 }
 
 void Maker::calibrate(std::vector<Draft> &drafts, uint32_t range_rule)
@@ -63,7 +61,7 @@ void Maker::calibrate(std::vector<Draft> &drafts, uint32_t range_rule)
             calibration.observe(pass.output(), pass.frame().name);
             store_.add(pass.output());
         }
-        require_frames(draft, pass);
+        end_recording(draft, pass);
     }
     ranges_ = calibration.ranges(range_rule);
     for (Draft &draft : drafts)

@@ -24,10 +24,20 @@ bool Pass::next()
             if (!skip_bad_)
                 throw Error(bad.what() + std::string("; replace or remove it, or leave out frames "
                                                      "that cannot be used with --skip-bad"));
-            bad_++;
+            if (bad_ == 0)
+                first_bad_ = bad.what();
+            bad_ += bad.frames();
             progress_.advance();
         }
     }
+}
+
+frames::Account Pass::account() const
+{
+    frames::Account account = source_.account();
+    account.bad = bad_;
+    account.first_bad = first_bad_;
+    return account;
 }
 
 bool Pass::run()

@@ -20,13 +20,14 @@ class Pass
     // backbone: borrowed. Throws Error as Source does.
     Pass(const std::string &path, const frames::SourceOptions &options, Backbone &backbone);
 
-    // Run the next usable frame; false at the end. Throws Error for an unusable frame, or counts
-    // and skips it if options.skip_bad is set.
+    // Run the next usable frame; false at the end. Throws Error for an unusable or missing frame,
+    // or counts and skips it if options.skip_bad is set.
     bool next();
     const frames::Frame &frame() const { return frame_; }
     // Borrowed until next().
     const vdna_backbone_frame &output() const { return output_; }
-    uint64_t bad() const { return bad_; }
+    // What was read so far, and what was left out.
+    frames::Account account() const;
 
   private:
     bool run();
@@ -39,6 +40,7 @@ class Pass
     frames::Frame frame_;
     vdna_backbone_frame output_{};
     uint64_t bad_ = 0;
+    std::string first_bad_; // why
 };
 
 } // namespace vdna::record

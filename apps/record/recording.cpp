@@ -6,7 +6,13 @@ namespace vdna::record
 void Recording::add(const Pass &pass)
 {
     add(pass.frame(), pass.output());
-    bad = pass.bad();
+}
+
+void Recording::require_frames(const std::string &source) const
+{
+    if (frames == 0)
+        throw Error(source + ": none of its " + std::to_string(account.bad) +
+                    " frames can be used; the first: " + account.first_bad);
 }
 
 void Recording::add(const frames::Frame &frame, const vdna_backbone_frame &output)

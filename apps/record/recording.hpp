@@ -13,7 +13,7 @@ namespace vdna::record
 // frames carry no such labels.
 struct Recording {
     uint32_t frames = 0;
-    uint64_t bad = 0;              // unusable frames
+    frames::Account account;       // how they were ordered and timed, and what was left out
     std::vector<uint64_t> index;   // [frames], in the source
     std::vector<int64_t> utime;    // [frames], microseconds
     std::vector<int64_t> place;    // [frames]
@@ -23,6 +23,8 @@ struct Recording {
 
     // Append the current frame of `pass`.
     void add(const Pass &pass);
+    // Throw Error if no frame of the source could be used.
+    void require_frames(const std::string &source) const;
     // Append a frame and its network output.
     void add(const frames::Frame &frame, const vdna_backbone_frame &output);
 };

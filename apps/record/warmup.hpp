@@ -8,7 +8,8 @@
 namespace vdna::record
 {
 
-// "42" frames or "4.5s" of camera time, > 0. Throws Error.
-Warmup warmup_of(const std::string &text);
+// "42" frames or "4.5s" of camera time, > 0. frames_min: fewest frames of a warmup by time. Throws
+// Error.
+Warmup warmup_of(const std::string &text, uint32_t frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT);
 
 } // namespace vdna::record

@@ -9,6 +9,7 @@
 #include <vdna/picture.h>
 
 #include "frames/camera_image.hpp"
+#include "frames/picture_list.hpp"
 #include "frames/source.hpp"
 #include "report/html.hpp"
 

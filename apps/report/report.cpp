@@ -65,7 +65,7 @@ std::string frames_table(const eval::Evaluation &evaluation)
                       text_element("td class=\"number\"", std::to_string(recording.frames)) +
                       text_element("td class=\"number\"", std::to_string(query.warmup_frames)) +
                       text_element("td class=\"number\"", std::to_string(query.live.size())) +
-                      text_element("td class=\"number\"", std::to_string(recording.bad)));
+                      text_element("td class=\"number\"", std::to_string(recording.account.bad)));
     }
     return table("Frames",
                  "<tr><th scope=\"col\">Query</th><th scope=\"col\">All</th><th scope=\"col\">"

@@ -53,10 +53,10 @@ program::Json frames_of(const eval::Evaluation &evaluation)
     program::Json json = program::Json::object();
     for (const eval::QueryResult &query : evaluation.queries) {
         const record::Recording &recording = (*evaluation.traversals)[query.traversal].recording;
-        json[name_of(evaluation, query.traversal)] = {{"frames", recording.frames},
-                                                      {"bad", recording.bad},
-                                                      {"warmup", query.warmup_frames},
-                                                      {"live", query.live.size()}};
+        json[name_of(evaluation, query.traversal)] = {
+            {"frames", recording.frames},     {"bad", recording.account.bad},
+            {"late", recording.account.late}, {"order", recording.account.order},
+            {"warmup", query.warmup_frames},  {"live", query.live.size()}};
     }
     return json;
 }

@@ -28,6 +28,7 @@ struct BuildOptions {
     std::string ranges;
     uint32_t range_rule = VDNA_RANGE_ABOUT_MIDPOINT;
     std::string name;
+    bool join = false;
     bool force = false;
     bool json = false;
 };
@@ -36,8 +37,7 @@ struct BuildOptions {
 // '_'.
 std::string name_of(const std::string &source)
 {
-    const fs::path path = fs::weakly_canonical(source);
-    std::string name = (fs::is_directory(path) ? path.filename() : path.stem()).string();
+    std::string name = frames::drive_name_of(source);
     vdna_name_replace(name.data());
     return name;
 }
@@ -58,24 +58,30 @@ fs::path file_of(const BuildOptions &options, const record::Draft &draft)
 // The experiences to make. Refuses a name that is taken before any work.
 std::vector<record::Draft> drafts_of(const BuildOptions &options)
 {
-    if (!options.name.empty() && options.sources.size() > 1)
+    const std::vector<std::string> sources =
+        options.join ? std::vector<std::string>{frames::join(options.sources)}
+                     : frames::join_numbered(options.sources);
+    if (!options.name.empty() && sources.size() > 1)
         throw program::UsageError("--name names one experience, but there are " +
-                                  std::to_string(options.sources.size()) + " sources");
+                                  std::to_string(sources.size()) +
+                                  " sources; if they are one drive, set --join");
     const auto is_folder = [](const std::string &source) { return fs::is_directory(source); };
-    if (!options.source.labels.empty() && options.sources.size() > 1 &&
-        !std::all_of(options.sources.begin(), options.sources.end(), is_folder))
+    if (!options.source.labels.empty() && sources.size() > 1 &&
+        !std::all_of(sources.begin(), sources.end(), is_folder))
         throw program::UsageError(
             "--labels numbers the frames of one video or log; build them one by one");
     std::vector<record::Draft> drafts;
     std::set<std::string> names;
-    for (const std::string &source : options.sources) {
+    for (const std::string &source : sources) {
         record::Draft draft;
         draft.source = source;
         draft.name = options.name.empty() ? name_of(source) : options.name;
         require_name(draft.name, source);
         if (!names.insert(draft.name).second)
-            throw program::UsageError(source + ": another source also becomes the experience " +
-                                      draft.name + "; build them one by one with --name");
+            throw program::UsageError(
+                source + ": another source also becomes the experience " + draft.name +
+                "; build them one by one with --name, or set --join if they are one "
+                "drive");
         if (fs::exists(file_of(options, draft)) && !options.force)
             throw Error(file_of(options, draft).string() +
                         ": exists already; replace it with --force, or "
@@ -167,8 +173,8 @@ void report(const BuildOptions &options, const std::vector<record::Draft> &draft
                   << fs::file_size(file) << " bytes, "
                   << program::fixed(100 * draft.histogram->saturated_share(), 2)
                   << " % beyond the ranges";
-        if (draft.recording.bad > 0)
-            std::cout << ", " << draft.recording.bad << " bad frames left out";
+        if (draft.recording.account.bad > 0)
+            std::cout << ", " << draft.recording.account.bad << " bad frames left out";
         std::cout << '\n';
     }
 }
@@ -180,15 +186,16 @@ void report_json(const BuildOptions &options, const std::vector<record::Draft> &
     program::Json experiences = program::Json::array();
     for (const record::Draft &draft : drafts) {
         const fs::path file = file_of(options, draft);
-        experiences.push_back({{"experience", draft.name},
-                               {"file", file.string()},
-                               {"source", draft.source},
-                               {"frames", draft.recording.frames},
-                               {"bad_frames", draft.recording.bad},
-                               {"neurons", blank.identity.neurons},
-                               {"bins", maker.bins()},
-                               {"bytes", fs::file_size(file)},
-                               {"saturated_share", draft.histogram->saturated_share()}});
+        program::Json json = {{"experience", draft.name},
+                              {"file", file.string()},
+                              {"source", draft.source},
+                              {"frames", draft.recording.frames}};
+        json.update(frames::json_of(draft.recording.account));
+        json.update({{"neurons", blank.identity.neurons},
+                     {"bins", maker.bins()},
+                     {"bytes", fs::file_size(file)},
+                     {"saturated_share", draft.histogram->saturated_share()}});
+        experiences.push_back(json);
     }
     program::print_json({{"map", options.map},
                          {"backbone", blank.identity.backbone},
@@ -207,6 +214,8 @@ void build(const BuildOptions &options)
     require_comparable(remaining, drafts, maker);
     maker.make(drafts, options.range_rule);
     write(drafts, maker, change);
+    for (const record::Draft &draft : drafts)
+        tell(draft.source, draft.recording.account);
     options.json ? report_json(options, drafts, maker) : report(options, drafts, maker);
 }
 
@@ -222,7 +231,8 @@ void add_build(CLI::App &app)
         ->required();
     command
         ->add_option("SOURCE", options->sources,
-                     "folder of pictures, video file or LCM log; each becomes MAP/NAME.vdna")
+                     "folder of pictures, video file or LCM log; each becomes MAP/NAME.vdna. Files "
+                     "that a logger cut, drive.lcm.00 and drive.lcm.01, become one")
         ->type_name("")
         ->required();
     add_network_options(*command, options->network,
@@ -244,6 +254,10 @@ void add_build(CLI::App &app)
                      "map's ranges, else calibrated from the sources)")
         ->type_name("FILE");
     add_range_rule_option(*command, options->range_rule);
+    command->add_flag(
+        "--join", options->join,
+        "all SOURCEs are one drive, in this order: videos or logs that a recorder cut "
+        "by size. Other sub-commands take such files as one SOURCE: a.mp4+b.mp4");
     command->add_flag("--force", options->force, "replace existing experiences");
     command->add_flag("--json", options->json, "report as JSON");
     command->footer("All or nothing: after an error or Ctrl-C the map is unchanged.\n\n"

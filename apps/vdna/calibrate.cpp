@@ -32,7 +32,8 @@ void calibrate(CalibrateOptions options)
         record::Pass pass(source, options.source, backbone);
         for (; pass.next(); frames++)
             calibration.observe(pass.output(), pass.frame().name);
-        bad += pass.bad();
+        bad += pass.account().bad;
+        tell(source, pass.account());
     }
     if (frames == 0)
         throw Error("none of the " + std::to_string(bad) + " frames can be used");

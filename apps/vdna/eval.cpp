@@ -57,11 +57,26 @@ void require_known(const frames::Dataset &dataset, const std::vector<std::string
                                       ", expected one of:" + known);
 }
 
+// Names given to --exclude that are no folders, which are left out before they are looked into.
+std::vector<std::string> excluded_traversals(const EvalOptions &o)
+{
+    std::vector<std::string> names;
+    for (const std::string &name : o.exclude)
+        if (!std::filesystem::is_directory(std::filesystem::path(o.dataset) / name))
+            names.push_back(name);
+    return names;
+}
+
 // The traversals that take part; only these go through the network.
 frames::Dataset dataset_of(const EvalOptions &o)
 {
-    frames::Dataset dataset = frames::load_dataset(o.dataset, o.format, o.partition_frames);
-    require_known(dataset, o.exclude, "--exclude");
+    frames::Dataset dataset =
+        frames::load_dataset(o.dataset, {o.format, o.partition_frames, o.exclude});
+    for (const std::string &note : dataset.notes)
+        std::cerr << "vdna: " << note << '\n';
+    for (const frames::DatasetTraversal &traversal : dataset.traversals)
+        tell(traversal.name, traversal.account);
+    require_known(dataset, excluded_traversals(o), "--exclude");
     require_known(dataset, o.queries, "--queries");
     require_known(dataset, o.references, "--references");
     const auto is_idle = [&](const frames::DatasetTraversal &t) {

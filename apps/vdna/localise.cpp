@@ -40,10 +40,9 @@ record::Recording record(const LocaliseOptions &options, const Map &map)
     record::Pass pass(options.live, options.source, backbone);
     while (pass.next())
         live.add(pass);
-    live.bad = pass.bad();
-    if (live.frames == 0)
-        throw Error(options.live + ": none of its " + std::to_string(live.bad) +
-                    " frames can be used");
+    live.account = pass.account();
+    live.require_frames(options.live);
+    tell(options.live, live.account);
     return live;
 }
 
@@ -73,8 +72,8 @@ void report(const LocaliseOptions &options, const record::Recording &live,
     for (const record::Localisation &l : results)
         width = std::max(width, l.experience.size());
     std::cout << options.live << ": " << live.frames << " frames";
-    if (live.bad > 0)
-        std::cout << ", " << live.bad << " bad ones left out";
+    if (live.account.bad > 0)
+        std::cout << ", " << live.account.bad << " bad ones left out";
     if (results.front().unit != record::Unit::none)
         std::cout << ", tolerance " << options.tolerance << ' ' << name_of(results.front().unit);
     std::cout << '\n'
@@ -119,12 +118,12 @@ void report_json(const LocaliseOptions &options, const record::Recording &live,
     program::Json candidates = program::Json::array();
     for (const record::Localisation &l : results)
         candidates.push_back(json_of(l, live, options.matches));
-    program::print_json({{"live", options.live},
-                         {"frames", live.frames},
-                         {"bad_frames", live.bad},
-                         {"tolerance", options.tolerance},
-                         {"candidates", candidates},
-                         {"all", json_of(record::composite_of(results), live, options.matches)}});
+    program::Json json = {{"live", options.live}, {"frames", live.frames}};
+    json.update(frames::json_of(live.account));
+    json["tolerance"] = options.tolerance;
+    json["candidates"] = candidates;
+    json["all"] = json_of(record::composite_of(results), live, options.matches);
+    program::print_json(json);
 }
 
 void localise(const LocaliseOptions &options)

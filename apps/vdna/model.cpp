@@ -78,12 +78,12 @@ void require_one_network(const vdna_backbone_info &a, const vdna_backbone_info &
 frames::Dataset dataset_of(const std::string &path)
 {
     if (fs::exists(fs::path(path) / "manifest.csv") || !frames::holds_pictures(path))
-        return frames::load_dataset(path, "");
+        return frames::load_dataset(path);
     frames::Dataset dataset;
     dataset.path = path;
-    dataset.traversals.push_back({path, "", {}});
-    for (const fs::path &file : frames::pictures_in(path))
-        dataset.traversals.front().frames.push_back({file, {}});
+    dataset.traversals.push_back(
+        frames::traversal_of(path, frames::list_pictures(path, nullptr),
+                             [](const frames::ListedPicture &) { return frames::Label{}; }));
     return dataset;
 }
 

@@ -1,5 +1,6 @@
 #include "vdna/options.hpp"
 
+#include <iostream>
 #include <map>
 
 #include "record/ranges.hpp"
@@ -43,7 +44,46 @@ void add_source_options(CLI::App &command, frames::SourceOptions &options)
         ->type_name("N")
         ->capture_default_str();
     command.add_flag("--skip-bad", options.skip_bad,
-                     "leave out pictures that cannot be decoded, and count them");
+                     "leave out frames that cannot be decoded or are missing, and count them");
+    add_time_options(command, options);
+}
+
+void add_time_options(CLI::App &command, frames::SourceOptions &options)
+{
+    const std::map<std::string, uint32_t> units = {{"auto", VDNA_TIME_UNIT_AUTO},
+                                                   {"us", VDNA_TIME_UNIT_US},
+                                                   {"ns", VDNA_TIME_UNIT_NS},
+                                                   {"ms", VDNA_TIME_UNIT_MS},
+                                                   {"s", VDNA_TIME_UNIT_S}};
+    command
+        .add_option("--time-unit", options.time_unit,
+                    "unit of time stamps; auto recognises it by their size and spacing")
+        ->transform(CLI::CheckedTransformer(units).description(""))
+        ->type_name("auto|us|ns|ms|s")
+        ->default_str("auto");
+    command
+        .add_option("--late", options.late_s,
+                    "leave out a frame up to this much older than the newest; an older one is a "
+                    "step back of camera time")
+        ->check(CLI::Range(0.0, 1e6).description(""))
+        ->type_name("SECONDS")
+        ->capture_default_str();
+}
+
+void add_warmup_min_option(CLI::App &command, uint32_t &frames_min)
+{
+    command
+        .add_option("--warmup-min", frames_min,
+                    "fewest frames of a warmup in seconds, which goes on until it has them")
+        ->check(CLI::Range(1u, 1000000u).description(""))
+        ->type_name("N")
+        ->capture_default_str();
+}
+
+void tell(const std::string &source, const frames::Account &account)
+{
+    for (const std::string &sentence : sentences_of(account))
+        std::cerr << "vdna: " << source << ": " << sentence << '\n';
 }
 
 void add_labels_option(CLI::App &command, frames::SourceOptions &options)

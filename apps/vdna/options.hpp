@@ -25,8 +25,17 @@ void add_network_options(CLI::App &command, NetworkOptions &options,
 // --threads
 void add_threads_option(CLI::App &command, uint32_t &threads);
 
-// --rate, --camera, --every, --skip-bad.
+// --rate, --camera, --every, --skip-bad, --time-unit, --late.
 void add_source_options(CLI::App &command, frames::SourceOptions &options);
+
+// --time-unit, --late.
+void add_time_options(CLI::App &command, frames::SourceOptions &options);
+
+// --warmup-min
+void add_warmup_min_option(CLI::App &command, uint32_t &frames_min);
+
+// Tell on standard error what is to be known about a source that was read.
+void tell(const std::string &source, const frames::Account &account);
 
 // --labels.
 void add_labels_option(CLI::App &command, frames::SourceOptions &options);

@@ -153,6 +153,7 @@ void add_play(CLI::App &app)
         ->type_name("URL");
     command->footer("JPEG files are sent as they are, other pictures as BGR pixels.");
     command->callback([options] {
+        options->reading.camera_option = "--channel";
         options->reading.labelled = options->stamp == "recorded";
         play(*options);
     });

@@ -27,6 +27,7 @@ struct RankOptions {
     NetworkOptions network;
     frames::SourceOptions source;
     std::string warmup = std::to_string(VDNA_WARMUP_FRAMES_DEFAULT);
+    uint32_t warmup_frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT;
     std::vector<std::string> exclude;
     bool per_tap = false;
     bool json = false;
@@ -36,8 +37,8 @@ struct RankOptions {
 struct Ranking {
     std::string query;
     uint32_t frames = 0;            // of the query
-    uint64_t restarts = 0;          // of the warmup, after camera time ran backwards
-    uint64_t bad = 0;               // unusable frames
+    uint64_t restarts = 0;          // of the warmup
+    frames::Account account;        // of a live query
     std::vector<std::string> names; // [candidates]
     std::vector<vdna_rank_entry> entries;
     std::vector<Tap> taps;                          // empty unless requested
@@ -113,6 +114,37 @@ bool feed(Selector &selector, const record::Pass &pass)
     return answer.newly_ranked != 0;
 }
 
+// Why a warmup did not end, and what to do.
+std::string reason_of(const vdna_select &select, const frames::Account &account)
+{
+    const uint64_t restarts = vdna_select_restarts(&select);
+    const uint32_t frames = vdna_select_window_frames(&select);
+    if (frames > 1 && vdna_select_time(&select)->still + 1 >= frames)
+        return "camera time stands still, so give --warmup in frames";
+    if (restarts > 0)
+        return "it began anew " + std::to_string(restarts) + " times, " +
+               vdna_restart_text(vdna_select_restart_cause(&select)) +
+               std::string("; correct the stamps");
+    if (account.bad > 0)
+        return std::to_string(account.bad) +
+               " bad frames are left out, the first: " + account.first_bad;
+    return "set a shorter --warmup";
+}
+
+[[noreturn]] void complain_of_incomplete_warmup(const RankOptions &options,
+                                                const vdna_select &select,
+                                                const frames::Account &account)
+{
+    std::string notes;
+    for (const std::string &note : account.notes)
+        notes += "; " + note;
+    throw Error(options.paths[0] + ": ends after " +
+                std::to_string(vdna_select_window_frames(&select)) +
+                " frames of the warmup, expected " + options.warmup +
+                (options.warmup.back() == 's' ? " and a frame after it; " : " frames; ") +
+                reason_of(select, account) + notes);
+}
+
 // Rank a map by the first frames of a source, as the daemon would.
 Ranking rank_live(const RankOptions &options)
 {
@@ -125,8 +157,9 @@ Ranking rank_live(const RankOptions &options)
     std::vector<vdna_select_candidate> candidates;
     for (const size_t i : picked)
         candidates.push_back(map.candidates()[i]);
-    Selector selector(std::move(candidates), first.identity.dim, record::warmup_of(options.warmup),
-                      options.paths[1]);
+    Selector selector(std::move(candidates), first.identity.dim,
+                      record::warmup_of(options.warmup, options.warmup_frames_min),
+                      options.paths[1], static_cast<int64_t>(options.source.late_s * 1e6));
     Backbone backbone(options.network.backbone.empty() ? first.identity.backbone
                                                        : options.network.backbone,
                       options.network.threads);
@@ -137,16 +170,13 @@ Ranking rank_live(const RankOptions &options)
     while (!complete && pass.next())
         complete = feed(selector, pass);
     if (!complete)
-        throw Error(source + ": ends after " +
-                    std::to_string(vdna_select_window_frames(selector.get())) +
-                    " frames of the warmup, expected " + options.warmup +
-                    (options.warmup.back() == 's' ? " and a frame after it" : " frames") +
-                    "; set a shorter --warmup");
+        complain_of_incomplete_warmup(options, *selector.get(), pass.account());
+    tell(source, pass.account());
     Ranking ranking;
     ranking.query = source;
     ranking.frames = vdna_select_window_frames(selector.get());
     ranking.restarts = vdna_select_restarts(selector.get());
-    ranking.bad = pass.bad();
+    ranking.account = pass.account();
     const vdna_rank_entry *const entries = vdna_select_ranking(selector.get(), nullptr);
     ranking.entries.assign(entries, entries + picked.size());
     for (const size_t i : picked)
@@ -207,12 +237,12 @@ void report_json(const Ranking &ranking)
                                     {"distance_bins", ranking.tap_distances[entry.candidate][t]}});
         entries.push_back(json);
     }
-    program::print_json({{"query", ranking.query},
-                         {"frames", ranking.frames},
-                         {"bad_frames", ranking.bad},
-                         {"restarts", ranking.restarts},
-                         {"margin_bins", margin_of(ranking)},
-                         {"ranking", entries}});
+    program::Json json = {{"query", ranking.query}, {"frames", ranking.frames}};
+    json.update(frames::json_of(ranking.account));
+    json.update({{"restarts", ranking.restarts},
+                 {"margin_bins", margin_of(ranking)},
+                 {"ranking", entries}});
+    program::print_json(json);
 }
 
 void rank(const RankOptions &options)
@@ -246,6 +276,7 @@ void add_rank(CLI::App &app)
                      "live: the first N frames, or T seconds of camera time, are the query")
         ->type_name("N|Ts")
         ->capture_default_str();
+    add_warmup_min_option(*command, options->warmup_frames_min);
     command->add_option("--exclude", options->exclude, "live: leave these experiences out")
         ->type_name("NAME");
     command->add_flag("--per-tap", options->per_tap,

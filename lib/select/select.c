@@ -398,6 +398,21 @@ uint32_t vdna_select_restart_cause(const vdna_select *select)
 }
 
 /* see vdna/select.h */
+const char *vdna_restart_text(uint32_t cause)
+{
+    switch (cause) {
+    case VDNA_RESTART_BACKWARDS:
+        return "because camera time stepped back";
+    case VDNA_RESTART_GAP:
+        return "because no frame came for longer than the warmup";
+    case VDNA_RESTART_UNIT:
+        return "because the stamps are not microseconds";
+    default:
+        return "";
+    }
+}
+
+/* see vdna/select.h */
 const vdna_camera_time *vdna_select_time(const vdna_select *select)
 {
     return select ? &select->time : NULL;

@@ -211,6 +211,11 @@ VDNA_API uint64_t vdna_select_restarts(const vdna_select *select);
  *  @return VDNA_RESTART_... */
 VDNA_API uint32_t vdna_select_restart_cause(const vdna_select *select);
 
+/** English text of such a cause, to follow "the warmup began anew, ".
+ *  @param cause  any value
+ *  @return a constant string, never NULL; "" for VDNA_RESTART_NONE and unknown values */
+VDNA_API const char *vdna_restart_text(uint32_t cause);
+
 /** Look at camera time: its unit, the newest frame, late frames, and how many frames did not move
  *  it.
  *  @param select  NULL gives NULL

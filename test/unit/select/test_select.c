@@ -309,6 +309,9 @@ static void nanoseconds_and_whole_seconds_fill_a_warmup_by_time(void **state)
         assert_int_equal(feed(select, t0 + i / 10, 3.5f, 0).newly_ranked, 0);
     assert_int_equal(vdna_select_restarts(select), 1);
     assert_int_equal(vdna_select_restart_cause(select), VDNA_RESTART_UNIT);
+    assert_string_equal(vdna_restart_text(VDNA_RESTART_UNIT),
+                        "because the stamps are not microseconds");
+    assert_string_equal(vdna_restart_text(VDNA_RESTART_NONE), "");
     /* It began anew with the second second. */
     assert_int_equal(feed(select, t0 + 3, 3.5f, 0).newly_ranked, 1);
     assert_int_equal(vdna_select_window_frames(select), 20);
