@@ -18,6 +18,12 @@ def skip(reason):
     sys.exit(77)
 
 
+def require_tool(path, name, remedy="./dev test --all installs it"):
+    """Skip the test if CMake has not found the tool."""
+    if path.endswith("-NOTFOUND"):
+        skip(f"no {name}; {remedy}")
+
+
 def run(*command, fetches=False, **options):
     """Run a command to its end and give what it printed; its failure is ours."""
     command = [str(part) for part in command]

@@ -18,7 +18,7 @@ import subprocess
 import sys
 import tomllib
 
-from tools import run, skip, virtual_environment
+from tools import require_tool, run, virtual_environment
 
 SOURCE = pathlib.Path(os.environ["VDNA_SOURCE"])
 LIBRARY = pathlib.Path(os.environ["VDNA_LIBRARY"]).parent
@@ -30,11 +30,6 @@ WHEEL = SOURCE / "lib/python"
 def copy_of(example):
     """The example in $VDNA_WORK: some tools write beside their sources."""
     return shutil.copytree(EXAMPLES / example, WORK / example, dirs_exist_ok=True)
-
-
-def require_tool(path, name):
-    if path.endswith("-NOTFOUND"):
-        skip(f"no {name}; install one, in any way")
 
 
 def check_rank(output):
@@ -53,19 +48,19 @@ def rank_c(program):
 
 
 def rank_rust(cargo):
-    require_tool(cargo, "cargo")
+    require_tool(cargo, "cargo", "install one, in any way")
     environment = with_library(RUSTFLAGS=f"-D warnings -L {LIBRARY}")
     check_rank(run(cargo, "run", "--quiet", "--offline", cwd=copy_of("rust"), env=environment))
 
 
 def rank_go(go):
-    require_tool(go, "go")
+    require_tool(go, "go", "install one, in any way")
     flags = {"CGO_CFLAGS": f"-I{SOURCE}/lib/include", "CGO_LDFLAGS": f"-L{LIBRARY}"}
     check_rank(run(go, "run", ".", cwd=copy_of("go"), env=with_library(**flags)))
 
 
 def rank_java(maven):
-    require_tool(maven, "mvn")
+    require_tool(maven, "mvn", "install one, in any way")
     # exec:java by its full name: Maven asks its registry what "exec" stands for.
     execute = "org.codehaus.mojo:exec-maven-plugin:java"
     goals = ["--quiet", "--batch-mode", "compile", execute, f"-Djna.library.path={LIBRARY}"]

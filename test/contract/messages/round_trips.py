@@ -7,13 +7,14 @@ LANGUAGE is c, cpp, python, java, lua, csharp or go. Each is tried with the lcm-
 that of PyPI, whose output differs. All that is made goes to $VDNA_WORK.
 """
 
+import itertools
 import os
 import re
 import sys
 from pathlib import Path
 
 import spec_lcm
-from tools import fresh, run, skip, virtual_environment
+from tools import fresh, require_tool, run, skip, virtual_environment
 
 HERE = Path(__file__).resolve().parent
 WORK = Path(os.environ["VDNA_WORK"])
@@ -121,9 +122,9 @@ def python():
                    env={**os.environ, "PYTHONPATH": str(generated)})
 
 
-def java(javac):
-    if javac.endswith("-NOTFOUND"):
-        skip("no javac; ./dev test --all installs it")
+def java(javac, *types_jar):
+    """With the JAR of SPEC-lcm, and that of the package `vdna`."""
+    require_tool(javac, "javac")
     if not spec_lcm.LCM_JAR.exists():
         skip("no liblcm-java; ./dev test --all installs it")
     for generated, programs in generate("--java", "--jpath={}"):
@@ -131,14 +132,14 @@ def java(javac):
         jar = spec_lcm.build_jar(folder, spec_lcm.with_path(programs))
         classes = fresh(generated.parent / "classes")
         run(javac, "-cp", spec_lcm.LCM_JAR, "-d", classes, HERE / "RoundTrip.java")
-        for lcm_jar in (spec_lcm.LCM_JAR, *WORK.glob("environment/lib/**/share/java/lcm.jar")):
-            round_trip([Path(javac).with_name("java"), "-cp", f"{lcm_jar}:{classes}:{jar}",
+        lcm_jars = [spec_lcm.LCM_JAR, *WORK.glob("environment/lib/**/share/java/lcm.jar")]
+        for lcm_jar, types in itertools.product(lcm_jars, (jar, *types_jar)):
+            round_trip([Path(javac).with_name("java"), "-cp", f"{lcm_jar}:{classes}:{types}",
                         "RoundTrip"])
 
 
 def lua(interpreter):
-    if interpreter.endswith("-NOTFOUND"):
-        skip("no lua5.3; ./dev test --all installs it")
+    require_tool(interpreter, "lua5.3")
     for generated, _ in generate("--lua", "--lpath={}"):
         path = f"{HERE}/?.lua;{generated}/?.lua"
         round_trip([interpreter, HERE / "round_trip.lua"], *TYPES,
@@ -146,8 +147,7 @@ def lua(interpreter):
 
 
 def csharp(mcs):
-    if mcs.endswith("-NOTFOUND"):
-        skip("no mcs; ./dev test --all installs it")
+    require_tool(mcs, "mcs")
     for generated, _ in generate("--csharp", "--csharp-path={}"):
         program = generated / "round_trip.exe"
         run(mcs, "-warnaserror", f"-out:{program}", HERE / "RoundTrip.cs", HERE / "Lcm.cs",
@@ -161,8 +161,7 @@ def go_type(name):
 
 
 def go(tool):
-    if tool.endswith("-NOTFOUND"):
-        skip("no golang-go; ./dev test --all installs it")
+    require_tool(tool, "go", "install one, in any way")
     pypi = virtual_environment(WORK / "environment", "lcm==1.5.3")
     folder = spec_lcm.in_a_checkout(fresh(FOLDER / "checkout"))
     (block,) = spec_lcm.commands("Other languages")
@@ -177,7 +176,7 @@ def go(tool):
         f"var messages = map[string]message{{\n{entries}}}\n")
     program = module / "round_trip"
     run(tool, "build", "-o", program, ".", cwd=module,
-        env={**os.environ, "GOFLAGS": "-mod=mod", "GOTOOLCHAIN": "local"})
+        env={**os.environ, "GOTOOLCHAIN": "local"})
     round_trip([program], types=GO_TYPES)
 
 
