@@ -1,9 +1,8 @@
 // round_trip SAMPLES OUT: decode each sample, encode it again. <messages.h> includes the generated
 // headers and lists the types.
+#include <messages.h>
 #include <stdint.h>
 #include <stdio.h>
-
-#include <messages.h>
 
 static int fail(const char *what, const char *name)
 {
@@ -36,18 +35,18 @@ static int write_sample(const char *folder, const char *name, const uint8_t *byt
     return fclose(file) == 0 && written;
 }
 
-#define MESSAGE(package, type)                                                                     \
-    static int round_trip_##type(const char *from, const char *to)                                 \
-    {                                                                                              \
-        const char *const name = #package "." #type;                                               \
-        uint8_t bytes[4096];                                                                       \
-        const int size = read_sample(from, name, bytes, sizeof bytes);                             \
-        package##_##type message;                                                                  \
-        if (package##_##type##_decode(bytes, 0, size, &message) != size)                           \
-            return fail("decode", name);                                                           \
-        const int encoded = package##_##type##_encode(bytes, 0, sizeof bytes, &message);           \
-        package##_##type##_decode_cleanup(&message);                                               \
-        return (encoded > 0 && write_sample(to, name, bytes, encoded)) || fail("encode", name);    \
+#define MESSAGE(package, type)                                                                  \
+    static int round_trip_##type(const char *from, const char *to)                              \
+    {                                                                                           \
+        const char *const name = #package "." #type;                                            \
+        uint8_t bytes[4096];                                                                    \
+        const int size = read_sample(from, name, bytes, sizeof bytes);                          \
+        package##_##type message;                                                               \
+        if (package##_##type##_decode(bytes, 0, size, &message) != size)                        \
+            return fail("decode", name);                                                        \
+        const int encoded = package##_##type##_encode(bytes, 0, sizeof bytes, &message);        \
+        package##_##type##_decode_cleanup(&message);                                            \
+        return (encoded > 0 && write_sample(to, name, bytes, encoded)) || fail("encode", name); \
     }
 MESSAGES
 #undef MESSAGE

@@ -35,7 +35,7 @@ void round_trip(const std::string &from, const std::string &to, const std::strin
 int main(int argc, char **argv)
 try {
     const std::vector<std::string> folders(argv + 1, argv + argc);
-#define MESSAGE(package, type)                                                                     \
+#define MESSAGE(package, type) \
     round_trip<package::type>(folders.at(0), folders.at(1), #package "." #type);
     MESSAGES
 } catch (const std::exception &error) {

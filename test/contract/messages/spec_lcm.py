@@ -37,9 +37,9 @@ def in_a_checkout(folder):
     return folder
 
 
-def with_path(*folders):
-    """The environment in which these programs come first."""
-    return {**os.environ, "PATH": os.pathsep.join([*map(str, folders), os.environ["PATH"]])}
+def with_path(folder):
+    """The environment in which the programs of a folder come first."""
+    return {**os.environ, "PATH": f"{folder}{os.pathsep}{os.environ['PATH']}"}
 
 
 def shell(block, folder, environment):

@@ -1,7 +1,7 @@
 """The listeners of SPEC-lcm, word for word, print what vdna_selectord says: the real daemon, with a
 backbone that needs no network.
 
-Environment: VDNA_BIN, VDNA_STUB_MAP, VDNA_STUB_BACKBONE, VDNA_WORK.
+Environment: VDNA_BIN, VDNA_LCM_GEN, VDNA_STUB_MAP, VDNA_STUB_BACKBONE, VDNA_WORK.
 """
 import os
 import shutil
@@ -29,7 +29,9 @@ def heading_of(language):
 
 
 def environment_of(language):
-    return spec_lcm.with_path(*[ENVIRONMENT / "bin"] if language == "Python" else [])
+    """The lcm-gen that the section means is the first on the path."""
+    of_debian = Path(os.environ["VDNA_LCM_GEN"]).parent
+    return spec_lcm.with_path(ENVIRONMENT / "bin" if language == "Python" else of_debian)
 
 
 def has_tools(language):

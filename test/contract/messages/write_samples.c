@@ -2,7 +2,6 @@
 // vdna_msg.status_t.
 #include <stdint.h>
 #include <stdio.h>
-
 #include <vdna_messages.h>
 
 #include "lcm_samples.h"
