@@ -17,6 +17,9 @@ namespace
 // Frames by which the header of a sound video may be wrong: some containers only know a duration.
 constexpr uint64_t count_tolerance = 1;
 
+// Above this FFmpeg gives a clock of the container, not the rate of its frames.
+constexpr double rate_hz_max = 1000;
+
 class VideoReader : public Reader
 {
   public:
@@ -31,7 +34,7 @@ class VideoReader : public Reader
                                "read; expected one of these");
         collect_ffmpeg_errors(); // opening a video sets OpenCV's own
         const double fps = video_.get(cv::CAP_PROP_FPS);
-        if (std::isfinite(fps) && fps > 0)
+        if (fps > 0 && fps <= rate_hz_max)
             rate_hz_ = fps;
         // Streams, and recordings whose writer could not go back, do not say how many they hold.
         const double count = video_.get(cv::CAP_PROP_FRAME_COUNT);
