@@ -31,12 +31,19 @@ the processors.
 
 Prints "READY ..." on standard output once it listens, and events on standard error.
 SIGTERM and SIGINT end it at once; `vdna command reset` makes it choose again.
+After three seconds without progress, standard error and the status say why.
 
-Exit codes: 0 stopped by a signal, or --check found no fault; 1 the map, the network or the LCM
-connection cannot be used, or the system refuses the requested memory or processors; 2 the command
-line or the configuration file is wrong.
+The URL of a log, file://PATH?speed=0, replays it: every frame is answered, in the file of --answers,
+and the daemon ends with the log. The same log gives the same file.
 
-Example: vdna_selectord --map ~/maps/campus --warmup-frames 50 -l )" VDNA_LCM_URL;
+Exit codes: 0 stopped by a signal, or the log has ended, or --check found no fault; 1 the map, the
+network or the LCM connection cannot be used, the log is damaged or no frame of it could be
+used, the answers cannot be written, or the system refuses the requested memory or processors; 2 the command line or
+the configuration file is wrong.
+
+Examples:
+  vdna_selectord --map ~/maps/campus --warmup-frames 50 -l )" VDNA_LCM_URL R"(
+  vdna_selectord --map ~/maps/campus -l 'file:///data/drive.log?speed=0' --answers drive.jsonl)";
 
 void apply(const Options &options, Config &config)
 {
@@ -74,6 +81,9 @@ void describe(CLI::App &app, Options &options, Invocation &invocation)
     app.add_option("-l,--lcm-url", options.url,
                    "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
         ->type_name("URL");
+    app.add_option("--answers", invocation.answers,
+                   "Write every answer to this file too, as `vdna watch --json` does")
+        ->type_name("FILE.jsonl");
     app.add_flag("--print-config", invocation.print_config,
                  "Print the settings in force as TOML and exit");
     app.add_flag("--check", invocation.check,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "selectord/config.hpp"
 
@@ -14,7 +15,8 @@ struct Invocation {
     bool print_config = false;
     bool check = false;
     bool print_memory = false;
-    bool json = false; // with print_memory
+    bool json = false;   // with print_memory
+    std::string answers; // file; "" = none
 };
 
 // Nothing after answering --help or --version. Throws Error.

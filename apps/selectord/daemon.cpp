@@ -9,6 +9,8 @@
 
 #include <vdna/cpp/error.hpp>
 
+#include "telemetry/message_text.hpp"
+
 namespace vdna::selectord
 {
 
@@ -39,9 +41,10 @@ Warmup warmup_of(const Config &config)
 
 Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
     : config_(config), map_(map), backbone_(backbone),
+      is_replay_(vdna_transport_is_log(config.url.c_str()) != 0),
       selector_(map.candidates(), map.experiences().front().identity.dim, warmup_of(config),
                 config.map_directory),
-      ranking_(map, backbone.info())
+      ranking_(map, backbone.info()), waiting_(config, is_replay_)
 {
 }
 
@@ -64,14 +67,27 @@ size_t Daemon::size() const
     return sizeof *this + selector_.memory_size() + map_.experiences().size() * per_experience;
 }
 
+void Daemon::keep_answers(const std::string &path)
+{
+    answers_.emplace(path);
+}
+
 void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
 {
+    if (is_replay_ && !answers_)
+        std::fprintf(stderr,
+                     "vdna_selectord: answers to a log cannot be sent and are not kept; keep "
+                     "them with --answers FILE\n");
+    overhear(transport); // of a log, the first poll may take hundreds of messages
     int64_t next_status_us = monotonic_us();
     while (!stop) {
         uint32_t events = 0;
         vdna_transport_frame frame;
-        if (vdna_transport_poll(transport, poll_ms, &events, &frame) != VDNA_OK)
+        if (vdna_transport_poll(transport, poll_ms, &events, &frame) != VDNA_OK) {
+            if (is_replay_)
+                return end_log(transport);
             throw Error("the LCM connection is gone; see to the network and start again");
+        }
 
         if (events & VDNA_TRANSPORT_RESET)
             reset();
@@ -81,10 +97,66 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
         // At 1 Hz, with or without frames; beats missed during a long inference are dropped.
         const int64_t now_us = monotonic_us();
         if (now_us >= next_status_us) {
-            publish_status(transport);
+            beat(transport);
             next_status_us += ((now_us - next_status_us) / status_period_us + 1) * status_period_us;
         }
     }
+}
+
+// Once a second: say what is wrong, listen around if that helps, and publish the status.
+void Daemon::beat(vdna_transport *transport)
+{
+    verdict_ = waiting_.judge(facts(transport));
+    if (verdict_.is_news)
+        std::fprintf(stderr, "vdna_selectord: %s\n", verdict_.text.data());
+    overhear(transport);
+    publish_status(transport);
+}
+
+void Daemon::overhear(vdna_transport *transport)
+{
+    if (vdna_transport_overhear(transport, waiting_.wants_to_overhear()) != VDNA_OK)
+        problems_.note(monotonic_us(), "LCM cannot listen to the other channels");
+}
+
+Facts Daemon::facts(vdna_transport *transport) const
+{
+    Facts facts;
+    facts.now_us = monotonic_us();
+    facts.camera = *vdna_transport_count(transport);
+    facts.overheard = vdna_transport_overheard_channels(transport, &facts.overheard_count);
+    facts.selected = vdna_select_state(selector_.get()) == VDNA_SELECT_SELECTED;
+    facts.progress = vdna_select_progress(selector_.get());
+    facts.accepted = vdna_select_accepted(selector_.get());
+    facts.refused = refused_;
+    facts.still = still_;
+    facts.restarts = vdna_select_restarts(selector_.get());
+    facts.refusal = refusal_.data();
+    facts.restart_reason = "camera time ran backwards";
+    return facts;
+}
+
+void Daemon::end_log(vdna_transport *transport) const
+{
+    const Facts end = facts(transport);
+    const Verdict verdict = end.selected ? Verdict{} : waiting_.judge_end(end);
+    if (end.accepted == 0)
+        throw Error("the log has ended and no frame of it could be used: " +
+                    std::string(verdict.text.data()));
+    std::fprintf(stderr,
+                 "vdna_selectord: the log has ended: %" PRIu64 " frames answered, %" PRIu64
+                 " of them with a position; %" PRIu64 " refused, %" PRIu64 " oversized, %" PRIu64
+                 " messages rejected\n",
+                 end.accepted + end.refused, localised_, end.refused, end.camera.oversized,
+                 end.camera.rejected);
+    if (!end.selected)
+        std::fprintf(stderr,
+                     "vdna_selectord: no experience was chosen, the warmup is at %.0f %%%s%s\n",
+                     100 * end.progress, verdict.text[0] ? ": " : "", verdict.text.data());
+    if (end.camera.damaged_bytes > 0)
+        throw Error(std::to_string(end.camera.damaged_bytes) +
+                    " bytes of the log are damaged and were passed over; the answers leave out the "
+                    "frames in them");
 }
 
 void Daemon::reset()
@@ -107,10 +179,9 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     vdna_msg_localisation_t message =
         status == VDNA_OK ? use(transport, frame, seen, watch) : refuse(frame, error.text);
     message.skipped = static_cast<int64_t>(frame.skipped);
-    message.latency_us = monotonic_us() - frame.received_us;
-    note_unless_sent(vdna_transport_publish(transport, config_.localisation_channel.c_str(),
-                                            &vdna_message_localisation, &message),
-                     "a localisation");
+    // A log waits for us, and is to give the same answers again.
+    message.latency_us = is_replay_ ? 0 : monotonic_us() - frame.received_us;
+    publish(transport, config_.localisation_channel, vdna_message_localisation, &message);
     if (message.validity == VDNA_MSG_LOCALISATION_T_REFUSED)
         return;
 
@@ -126,19 +197,23 @@ vdna_msg_localisation_t Daemon::use(vdna_transport *transport, const vdna_transp
                                     const vdna_backbone_frame &seen, Stopwatch &watch)
 {
     const vdna_select_frame live{frame.utime, seen.taps, seen.tap_count, seen.embedding};
+    const bool is_first = vdna_select_accepted(selector_.get()) == 0;
     vdna_select_answer found;
     const vdna_status status = vdna_select_feed(selector_.get(), &live, &found);
     if (status != VDNA_OK)
         return refuse(frame, vdna_status_text(status));
     (found.newly_ranked ? stages_.rank : stages_.select).add(watch.lap_us());
+    still_ = !is_first && frame.utime == newest_utime_ ? still_ + 1 : 0;
+    newest_utime_ = frame.utime;
     window_frames_max_ = std::max(window_frames_max_, vdna_select_window_frames(selector_.get()));
 
     if (found.restarted)
-        std::fprintf(stderr, "vdna_selectord: camera time ran backwards, warming up again\n");
+        problems_.note(monotonic_us(), "camera time ran backwards, warming up again");
     if (found.newly_ranked)
         announce_choice(transport);
     if (!found.localised)
         return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_WARMING_UP);
+    localised_++;
     return position_in(map_.experiences()[vdna_select_chosen(selector_.get())], found.match,
                        frame.utime);
 }
@@ -146,6 +221,7 @@ vdna_msg_localisation_t Daemon::use(vdna_transport *transport, const vdna_transp
 vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const char *reason)
 {
     refused_++;
+    std::snprintf(refusal_.data(), refusal_.size(), "%s", reason);
     problems_.note(monotonic_us(), "frame of utime %" PRId64 " refused: %s", frame.utime, reason);
     return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_REFUSED);
 }
@@ -153,9 +229,7 @@ vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const 
 void Daemon::announce_choice(vdna_transport *transport)
 {
     const vdna_msg_ranking_t &ranking = ranking_.fill(*selector_.get());
-    note_unless_sent(vdna_transport_publish(transport, config_.ranking_channel.c_str(),
-                                            &vdna_message_ranking, &ranking),
-                     "a ranking");
+    publish(transport, config_.ranking_channel, vdna_message_ranking, &ranking);
     std::fprintf(stderr,
                  "vdna_selectord: selected %s of %d after %d frames: distance %.3f bins, margin "
                  "%.3f bins\n",
@@ -173,17 +247,38 @@ void Daemon::publish_status(vdna_transport *transport)
                         refused_,
                         window_frames_max_,
                         memory_.read(),
-                        problems_.last()};
+                        verdict_.text[0] ? verdict_.text.data() : problems_.last()};
     const vdna_msg_status_t message = status_of(health, wall_us());
-    note_unless_sent(vdna_transport_publish(transport, config_.status_channel.c_str(),
-                                            &vdna_message_status, &message),
-                     "a status");
+    publish(transport, config_.status_channel, vdna_message_status, &message);
 }
 
-void Daemon::note_unless_sent(vdna_status sent, const char *what)
+void Daemon::publish(vdna_transport *transport, const std::string &channel,
+                     const vdna_message_type &type, const void *message)
 {
+    if (answers_)
+        keep(channel, type, message);
+    if (is_replay_)
+        return;
+    const vdna_status sent = vdna_transport_publish(transport, channel.c_str(), &type, message);
     if (sent != VDNA_OK)
-        problems_.note(monotonic_us(), "%s could not be sent: %s", what, vdna_status_text(sent));
+        problems_.note(monotonic_us(), "%s: a message could not be sent: %s; " VDNA_LCM_REMEDY,
+                       channel.c_str(), vdna_status_text(sent));
+}
+
+// A status tells of our own time and memory, so a replay, which is to give the same file again,
+// leaves it out. Whoever replays wants the file; a robot goes on without it.
+void Daemon::keep(const std::string &channel, const vdna_message_type &type, const void *message)
+{
+    if (is_replay_ && &type == &vdna_message_status)
+        return;
+    try {
+        answers_->write(telemetry::json_line(telemetry::view_of(type), channel, message));
+    } catch (const Error &error) {
+        if (is_replay_)
+            throw;
+        problems_.note(monotonic_us(), "%s; answers are not kept from here on", error.what());
+        answers_.reset();
+    }
 }
 
 } // namespace vdna::selectord

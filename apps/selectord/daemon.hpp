@@ -1,20 +1,24 @@
 // The daemon's loop: newest camera frame in; choice, position and status out.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
-#include <vector>
+#include <optional>
+#include <string>
 
 #include <vdna/cpp/backbone.hpp>
 #include <vdna/cpp/map.hpp>
 #include <vdna/cpp/selector.hpp>
 #include <vdna/transport.h>
 
+#include "selectord/answer_file.hpp"
 #include "selectord/config.hpp"
 #include "selectord/problem_log.hpp"
 #include "selectord/reports.hpp"
 #include "selectord/resident_memory.hpp"
 #include "selectord/stages.hpp"
+#include "selectord/waiting.hpp"
 
 namespace vdna::selectord
 {
@@ -32,10 +36,18 @@ class Daemon
     size_t histogram_size() const;
     size_t size() const;
 
-    // Answer frames and commands until `stop`. Throws Error if the connection is lost.
+    // Also write answers to a file. Throws Error if it cannot be written.
+    void keep_answers(const std::string &path);
+
+    // Answer frames and commands until `stop`, or to the end of a log. Throws Error if the
+    // connection is lost, or if a log is damaged or no frame of it could be used.
     void run(vdna_transport *transport, const std::atomic<bool> &stop);
 
   private:
+    void beat(vdna_transport *transport);
+    void overhear(vdna_transport *transport);
+    void end_log(vdna_transport *transport) const;
+    Facts facts(vdna_transport *transport) const;
     void reset();
     void answer(vdna_transport *transport, const vdna_transport_frame &frame,
                 const std::atomic<bool> &stop);
@@ -44,17 +56,27 @@ class Daemon
     vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason);
     void announce_choice(vdna_transport *transport);
     void publish_status(vdna_transport *transport);
-    void note_unless_sent(vdna_status sent, const char *what);
+    void publish(vdna_transport *transport, const std::string &channel,
+                 const vdna_message_type &type, const void *message);
+    void keep(const std::string &channel, const vdna_message_type &type, const void *message);
 
     const Config &config_;
     const Map &map_;
     const Backbone &backbone_;
+    const bool is_replay_; // frames come from a log, on which nothing can be sent
     Selector selector_;
     RankingReport ranking_;
     ResidentMemory memory_;
     ProblemLog problems_;
+    Waiting waiting_;
+    Verdict verdict_; // of the last beat
+    std::optional<AnswerFile> answers_;
     Stages stages_;
     uint64_t refused_ = 0;
+    std::array<char, sizeof(vdna_error::text)> refusal_{}; // why the newest of these was refused
+    uint64_t localised_ = 0;
+    int64_t newest_utime_ = 0;
+    uint64_t still_ = 0; // the newest frames that did not move camera time
     uint32_t window_frames_max_ = 0;
 };
 

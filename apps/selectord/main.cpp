@@ -26,12 +26,6 @@ namespace
 using namespace vdna;
 using namespace vdna::selectord;
 
-// The URL in force; nullptr = LCM's default.
-const char *url_in_force(const Config &config)
-{
-    return config.url.empty() ? std::getenv("LCM_DEFAULT_URL") : config.url.c_str();
-}
-
 // Borrows from `config`.
 vdna_transport_config transport_config(const Config &config, const Daemon &daemon)
 {
@@ -72,7 +66,7 @@ void say_large_map(const MemoryStatement &memory)
 
 void say_ready(const Config &config, const Map &map, const Backbone &backbone)
 {
-    const char *url = url_in_force(config);
+    const char *url = config.url.empty() ? std::getenv("LCM_DEFAULT_URL") : config.url.c_str();
     std::cout << "vdna_selectord: READY map=" << config.map_directory
               << " experiences=" << map.experiences().size()
               << " backbone=" << backbone.info().identity.backbone
@@ -126,6 +120,8 @@ program::ExitCode run(int argc, char **argv)
     }
 
     // One-way door: from here on we are visible to others.
+    if (!invocation->answers.empty())
+        daemon.keep_answers(invocation->answers);
     const StopOnSignal stop(backbone.get());
     const Connection connection = connect(transport);
     if (config.lock_memory)
@@ -136,7 +132,8 @@ program::ExitCode run(int argc, char **argv)
     daemon.run(connection.get(), stop.requested());
 
     // Everything closes itself in reverse order: connection, signals, selector, backbone, map.
-    std::fprintf(stderr, "vdna_selectord: stopped by a signal\n");
+    if (stop.requested())
+        std::fprintf(stderr, "vdna_selectord: stopped by a signal\n");
     return program::exit_ok;
 }
 

@@ -1,5 +1,6 @@
 #include "telemetry/message_text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdarg>
 #include <cstdio>
@@ -241,6 +242,19 @@ const std::vector<View> &views()
         view<vdna_msg_status_t>(vdna_message_status, "status", VDNA_CHANNEL_STATUS),
     };
     return all;
+}
+
+const View &view_of(const vdna_message_type &type)
+{
+    return *std::find_if(views().begin(), views().end(),
+                         [&](const View &view) { return view.type == &type; });
+}
+
+std::string json_line(const View &view, const std::string &channel, const void *message)
+{
+    nlohmann::ordered_json json{{"channel", channel}};
+    json.update(view.json(message));
+    return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 } // namespace vdna::telemetry

@@ -25,4 +25,11 @@ struct View {
 // All messages of vdna_selectord.
 const std::vector<View> &views();
 
+// The view of a type; it must be one of views().
+const View &view_of(const vdna_message_type &type);
+
+// One JSON object on one line, without the newline: the view's members after the channel. A name
+// with invalid UTF-8 has replacement characters.
+std::string json_line(const View &view, const std::string &channel, const void *message);
+
 } // namespace vdna::telemetry

@@ -42,7 +42,7 @@ void send_command(const CommandOptions &options)
                                                       &vdna_message_command, &message);
     if (status != VDNA_OK)
         throw Error(options.channel + ": the command cannot be sent: " + vdna_status_text(status) +
-                    "; see to the network");
+                    "; " VDNA_LCM_REMEDY);
 }
 
 } // namespace

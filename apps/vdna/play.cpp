@@ -73,7 +73,7 @@ void send(vdna_transport *transport, const PlayOptions &options, const frames::F
         vdna_transport_publish_image(transport, options.reading.camera.c_str(), utime, &image);
     if (status != VDNA_OK)
         throw Error(frame.name + ": " + std::to_string(image.size) + " bytes cannot be sent: " +
-                    vdna_status_text(status) + "; see to the network, or play smaller pictures");
+                    vdna_status_text(status) + "; play smaller pictures; " VDNA_LCM_REMEDY);
 }
 
 // Send the source once, at most `limit` frames; returns the number sent.

@@ -14,6 +14,7 @@
 
 #include <vdna/cpp/error.hpp>
 #include <vdna/listener.h>
+#include <vdna/transport.h>
 
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
@@ -70,7 +71,7 @@ class Printer
     }
     ~Printer() { end_update(); }
 
-    void take(const telemetry::View &view, const void *message)
+    void take(const telemetry::View &view, const char *channel, const void *message)
     {
         const bool is_ranking = view.type == &vdna_message_ranking;
         const bool is_localisation = view.type == &vdna_message_localisation;
@@ -78,7 +79,7 @@ class Printer
         if (is_localisation)
             count(*static_cast<const vdna_msg_localisation_t *>(message));
         if (is_ranking || !summary_)
-            print(view, message, is_localisation && updates_);
+            print(view, channel, message, is_localisation && updates_);
     }
 
     bool reached(const Goal &goal) const
@@ -105,13 +106,11 @@ class Printer
     }
 
     // as_update: the next line overwrites this one.
-    void print(const telemetry::View &view, const void *message, bool as_update)
+    void print(const telemetry::View &view, const char *channel, const void *message,
+               bool as_update)
     {
         if (json_) {
-            // A name with invalid UTF-8 must not end the watch.
-            std::cout << view.json(message).dump(-1, ' ', false,
-                                                 nlohmann::ordered_json::error_handler_t::replace)
-                      << std::endl;
+            std::cout << telemetry::json_line(view, channel, message) << std::endl;
             return;
         }
         if (as_update) {
@@ -160,19 +159,26 @@ Listener listen(const WatchOptions &options)
     return Listener(listener);
 }
 
-// Handle the next message, if one arrives within a moment.
-void handle_one(vdna_listener *listener, Printer &printer)
+// Handle the next message, if one arrives within a moment; false at the end of a log.
+bool handle_one(vdna_listener *listener, const WatchOptions &options, Printer &printer)
 {
     constexpr int32_t moment_ms = 100;
     vdna_listener_message message;
-    if (vdna_listener_poll(listener, moment_ms, &message) != VDNA_OK)
+    const vdna_status status = vdna_listener_poll(listener, moment_ms, &message);
+    if (status != VDNA_OK) {
+        if (status == VDNA_ERR_FORMAT)
+            throw Error("parts of the log are damaged and were passed over");
+        if (vdna_transport_is_log(options.url.c_str()))
+            return false;
         throw Error("the LCM connection is gone; see to the network and start again");
+    }
     if (message.rejected)
         std::cerr << "vdna watch: " << message.channel << ": " << message.rejected << ", "
                   << message.size << " bytes; left out\n";
     for (const telemetry::View &view : telemetry::views())
         if (message.data && message.type == view.type)
-            printer.take(view, message.data);
+            printer.take(view, message.channel, message.data);
+    return true;
 }
 
 void watch(const WatchOptions &options)
@@ -188,8 +194,9 @@ void watch(const WatchOptions &options)
         return options.seconds > 0 &&
                Clock::now() - begin >= std::chrono::duration<double>(options.seconds);
     };
-    while (!printer.reached(goal) && !is_over() && !program::interrupted())
-        handle_one(listener.get(), printer);
+    bool more = true;
+    while (more && !printer.reached(goal) && !is_over() && !program::interrupted())
+        more = handle_one(listener.get(), options, printer);
 
     if (options.summary)
         printer.print_summary();

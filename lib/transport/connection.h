@@ -11,6 +11,7 @@ struct vdna_transport {
 
     /* Results of the current poll. */
     uint32_t events;
+    uint32_t arrived;           /* messages on our channels */
     uint64_t unanswered;        /* frames dropped since the last one handed out */
     vdna_transport_frame frame; /* its picture is in `picture` */
     uint8_t *picture;
@@ -19,7 +20,16 @@ struct vdna_transport {
     /* The message being published, encoded. */
     uint8_t *message;
     size_t message_size; /* bytes allocated */
+
+    /* Other channels, see overhear.c. */
+    lcm_subscription_t *overhearing; /* NULL = not now */
+    vdna_transport_overheard overheard[VDNA_TRANSPORT_OVERHEARD_MAX];
+    uint32_t overheard_count;
 };
+
+/* Messages of other channels that LCM queues. Few, because each may be as large as a picture;
+ * enough while we are waiting and so take them at once. */
+#define OVERHEARD_QUEUE 3u
 
 /* Room for an encoded message. The block only ever grows, so that messages of similar size are
  * published without an allocation. */

@@ -63,6 +63,13 @@ static inline void cursor_strings(cursor *c, uint32_t count)
     }
 }
 
+/* The fingerprint of a message of any type; 0 if the message is too short for one. */
+static inline uint64_t cursor_fingerprint(const void *data, size_t size)
+{
+    cursor c = {data, size, !data};
+    return cursor_unsigned(&c, sizeof(uint64_t));
+}
+
 /* A cursor behind the fingerprint; broken if the message is of another type. Generated decoders
  * take the size as an int, so a larger message is broken too. */
 static inline cursor cursor_begin(const void *data, size_t size, uint64_t fingerprint)

@@ -156,7 +156,7 @@ vdna_status vdna_listener_poll(vdna_listener *listener, int32_t timeout_ms,
     listener->handed_out = waiting(listener);
     if (!listener->handed_out) {
         if (vdna_network_take_one(&listener->network, timeout_ms) < 0)
-            return VDNA_ERR_IO;
+            return vdna_network_end(&listener->network);
         listener->handed_out = waiting(listener);
     }
     *out_message = listener->handed_out ? listener->handed_out->message

@@ -42,22 +42,40 @@ static bool has_scheme(const char *url, const char *scheme)
     return strncmp(url, scheme, strlen(scheme)) == 0;
 }
 
+/* see vdna/transport.h */
+int32_t vdna_transport_is_log(const char *configured_url)
+{
+    const char *url = effective_url(configured_url);
+    const char *options = strchr(url, '?');
+    const bool written = options && (strstr(options, "mode=w") || strstr(options, "mode=a"));
+    return has_scheme(url, "file://") && !written;
+}
+
 /* see network.h */
 vdna_status vdna_network_open(vdna_network *out_network, const char *configured_url,
                               vdna_error *error)
 {
     const char *url = effective_url(configured_url);
-    const vdna_network opened = {lcm_create(url), has_scheme(url, "file://")};
+    vdna_network opened = {NULL, NULL};
+    if (vdna_transport_is_log(url)) {
+        opened.log = vdna_log_open(url);
+        if (!opened.log)
+            return vdna_fail(error, VDNA_ERR_IO,
+                             "%.200s: the log cannot be opened: %s; expected a URL such as "
+                             "file:///path/to/log?speed=1, or of a network, " VDNA_LCM_URL,
+                             url, errno == EINVAL ? "it is no file" : strerror(errno));
+    }
+    opened.lcm = lcm_create(opened.log ? "memq://" : url);
     if (opened.lcm) {
         *out_network = opened;
         return VDNA_OK;
     }
+    vdna_log_close(opened.log);
     if (has_scheme(url, "udpm://"))
-        return vdna_fail(
-            error, VDNA_ERR_IO,
-            "%.200s: LCM cannot use this network; expected a URL such as " VDNA_LCM_URL
-            "; if this machine has no network, it lacks a route: `ip route add 224.0.0.0/4 dev lo`",
-            url);
+        return vdna_fail(error, VDNA_ERR_IO,
+                         "%.200s: LCM cannot use this network; expected a URL such as " VDNA_LCM_URL
+                         "; " VDNA_LCM_REMEDY,
+                         url);
     return vdna_fail(error, VDNA_ERR_IO,
                      "%.200s: LCM cannot open this and says why on standard error; expected a URL "
                      "such as " VDNA_LCM_URL ", file:///path/to/log?speed=1 or memq://",
@@ -69,7 +87,8 @@ void vdna_network_close(vdna_network *network)
 {
     if (network->lcm)
         lcm_destroy(network->lcm);
-    network->lcm = NULL;
+    vdna_log_close(network->log);
+    *network = (vdna_network){NULL, NULL};
 }
 
 /* LCM treats a channel as a regular expression that must match the whole name. */
@@ -93,17 +112,34 @@ vdna_status vdna_network_subscribe(const vdna_network *network, const char *chan
     lcm_subscription_t *subscription = lcm_subscribe(network->lcm, pattern, handler, context);
     if (!subscription)
         return vdna_fail(error, VDNA_ERR_IO,
-                         "channel %s: LCM cannot subscribe and says why on standard error; for "
-                         "udpm:// check that the firewall lets multicast through and that `ip "
-                         "route` has 224.0.0.0/4",
+                         "channel %s: LCM cannot subscribe and says why on standard error; let the "
+                         "firewall pass multicast; " VDNA_LCM_REMEDY,
                          channel);
     lcm_subscription_set_queue_capacity(subscription, (int)queue_length);
     return VDNA_OK;
 }
 
-/* see network.h
- * Not lcm_handle_timeout(): it cannot tell a signal from the end. */
-int vdna_network_take_one(const vdna_network *network, int32_t timeout_ms)
+/* see network.h */
+vdna_status vdna_network_subscribe_all(const vdna_network *network, uint32_t queue_length,
+                                       lcm_msg_handler_t handler, void *context,
+                                       lcm_subscription_t **out_subscription)
+{
+    lcm_subscription_t *subscription = lcm_subscribe(network->lcm, ".*", handler, context);
+    if (!subscription)
+        return VDNA_ERR_IO;
+    lcm_subscription_set_queue_capacity(subscription, (int)queue_length);
+    *out_subscription = subscription;
+    return VDNA_OK;
+}
+
+/* see network.h */
+void vdna_network_unsubscribe(const vdna_network *network, lcm_subscription_t *subscription)
+{
+    lcm_unsubscribe(network->lcm, subscription);
+}
+
+/* Not lcm_handle_timeout(): it cannot tell a signal from the end. */
+static int take_from_lcm(const vdna_network *network, int32_t timeout_ms)
 {
     struct pollfd incoming = {.fd = lcm_get_fileno(network->lcm), .events = POLLIN};
     if (incoming.fd < 0)
@@ -114,6 +150,27 @@ int vdna_network_take_one(const vdna_network *network, int32_t timeout_ms)
     if (ready == 0)
         return 0;
     return lcm_handle(network->lcm) == 0 ? 1 : -1;
+}
+
+/* see network.h
+ * Events of a channel that nobody listens to leave nothing in LCM's queue. */
+int vdna_network_take_one(const vdna_network *network, int32_t timeout_ms)
+{
+    if (!network->log)
+        return take_from_lcm(network, timeout_ms);
+    vdna_log_event event;
+    const int taken = vdna_log_next(network->log, timeout_ms, &event);
+    if (taken != 1)
+        return taken;
+    if (lcm_publish(network->lcm, event.channel, event.data, event.size) != 0)
+        return -1;
+    return take_from_lcm(network, 0) < 0 ? -1 : 1;
+}
+
+/* see network.h */
+vdna_status vdna_network_end(const vdna_network *network)
+{
+    return network->log && vdna_log_damaged_bytes(network->log) > 0 ? VDNA_ERR_FORMAT : VDNA_ERR_IO;
 }
 
 static int64_t clock_us(clockid_t clock)
@@ -130,7 +187,7 @@ int64_t vdna_network_received_us(const vdna_network *network, const lcm_recv_buf
 {
     const int64_t queued = clock_us(CLOCK_REALTIME) - message->recv_utime;
     const int64_t now = clock_us(CLOCK_MONOTONIC);
-    if (network->is_log || queued < 0 || queued > QUEUED_MAX_US)
+    if (network->log || queued < 0 || queued > QUEUED_MAX_US)
         return now;
     return now - queued;
 }

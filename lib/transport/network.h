@@ -7,9 +7,11 @@
 
 #include <vdna/transport.h>
 
+#include "log.h"
+
 typedef struct vdna_network {
-    lcm_t *lcm;  /* NULL = not connected */
-    bool is_log; /* a file:// URL: messages wait until they are read */
+    lcm_t *lcm;    /* NULL = not connected */
+    vdna_log *log; /* whose events go through `lcm`, which is memq:// then; NULL = a live network */
 } vdna_network;
 
 /* A literal channel name; empty = not used. */
@@ -26,10 +28,23 @@ vdna_status vdna_network_subscribe(const vdna_network *network, const char *chan
                                    uint32_t queue_length, lcm_msg_handler_t handler, void *context,
                                    vdna_error *error);
 
+/* Have `handler` called for each message of every channel; out_subscription is for
+ * vdna_network_unsubscribe(). */
+vdna_status vdna_network_subscribe_all(const vdna_network *network, uint32_t queue_length,
+                                       lcm_msg_handler_t handler, void *context,
+                                       lcm_subscription_t **out_subscription);
+
+/* End it. */
+void vdna_network_unsubscribe(const vdna_network *network, lcm_subscription_t *subscription);
+
 /* Take one message, if one comes in time, and call the handlers of its channel. Returns 1 if a
- * message was taken, 0 if none came or a signal did, -1 if the connection is gone.
+ * message was taken, 0 if none came or a signal did, -1 if the connection is gone or the log has
+ * ended.
  */
 int vdna_network_take_one(const vdna_network *network, int32_t timeout_ms);
+
+/* What a poll returns after that. */
+vdna_status vdna_network_end(const vdna_network *network);
 
 /* When a message came off the socket, by CLOCK_MONOTONIC in microseconds; of a log, when it was
  * read. */

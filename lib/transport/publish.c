@@ -92,6 +92,8 @@ vdna_status vdna_transport_publish(vdna_transport *transport, const char *channe
         return status;
     if (type->encode(message, transport->message, size) != size)
         return VDNA_ERR_ARG;
+    if (transport->network.log)
+        return VDNA_ERR_IO;
     if (lcm_publish(transport->network.lcm, channel, transport->message, (unsigned)size) != 0)
         return VDNA_ERR_IO;
     return VDNA_OK;

@@ -16,8 +16,11 @@ static void on_image(const lcm_recv_buf_t *message, const char *channel, void *c
     vdna_transport *transport = context;
     vdna_transport_counters *counters = &transport->counters;
     vdna_transport_frame frame;
+    transport->arrived++;
     if (vdna_transport_parse_image(message->data, message->data_size, &frame) != VDNA_OK) {
         counters->rejected++;
+        counters->camera_rejected++;
+        counters->camera_fingerprint = cursor_fingerprint(message->data, message->data_size);
         return;
     }
 
@@ -26,6 +29,7 @@ static void on_image(const lcm_recv_buf_t *message, const char *channel, void *c
         counters->picture_bytes_max = frame.image.size;
     if (frame.image.size > transport->picture_size) {
         counters->oversized++;
+        counters->oversized_bytes = frame.image.size;
         transport->unanswered++;
         return;
     }
@@ -47,6 +51,7 @@ static void on_command(const lcm_recv_buf_t *message, const char *channel, void 
 {
     (void)channel;
     vdna_transport *transport = context;
+    transport->arrived++;
     if (vdna_transport_check(&vdna_message_command, message->data, message->data_size) != VDNA_OK) {
         transport->counters.rejected++;
         return;
@@ -82,16 +87,15 @@ vdna_status vdna_transport_subscribe(vdna_transport *transport, vdna_error *erro
  * any speed. */
 static int drain(vdna_transport *transport, int timeout_ms)
 {
+    transport->arrived = 0;
     int taken = vdna_network_take_one(&transport->network, timeout_ms);
-    uint32_t messages = taken == 1;
-    while (taken == 1 && messages < MESSAGES_PER_POLL) {
-        if (transport->network.is_log && transport->events != 0)
+    for (uint32_t messages = 1; taken == 1 && messages < MESSAGES_PER_POLL; messages++) {
+        if (transport->network.log && transport->events != 0)
             break;
         taken = vdna_network_take_one(&transport->network, 0);
-        messages += taken == 1;
     }
-    if (messages > transport->counters.backlog_max)
-        transport->counters.backlog_max = messages;
+    if (transport->arrived > transport->counters.backlog_max)
+        transport->counters.backlog_max = transport->arrived;
     return taken;
 }
 
@@ -105,8 +109,11 @@ vdna_status vdna_transport_poll(vdna_transport *transport, int32_t timeout_ms, u
 
     transport->events = 0;
     /* Messages before the end are handed out first: the next poll meets the end again. */
-    if (drain(transport, timeout_ms) < 0 && transport->events == 0)
-        return VDNA_ERR_IO;
+    const int taken = drain(transport, timeout_ms);
+    if (transport->network.log)
+        transport->counters.damaged_bytes = vdna_log_damaged_bytes(transport->network.log);
+    if (taken < 0 && transport->events == 0)
+        return vdna_network_end(&transport->network);
 
     *out_events = transport->events;
     if (transport->events & VDNA_TRANSPORT_FRAME) {

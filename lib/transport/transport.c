@@ -95,11 +95,13 @@ vdna_status vdna_transport_memory_of(const vdna_transport_config *config,
     const uint64_t message = known.max_image_bytes + IMAGE_MESSAGE_OVERHEAD;
     const uint64_t pictures = known.camera_channel ? VDNA_TRANSPORT_QUEUE + 1 : 0;
     const uint64_t commands = known.command_channel ? VDNA_TRANSPORT_QUEUE + 1 : 0;
+    const uint64_t overheard = known.camera_channel ? OVERHEARD_QUEUE + 1 : 0;
     /* Each datagram passes through a ring buffer that grows by half when full, and earlier buffers
      * stay until they are empty: together at most three times their content. */
-    const uint64_t rings = 3 * (pictures + commands + 1) * LCM_DATAGRAM_MAX;
+    const uint64_t rings = 3 * (pictures + commands + overheard + 1) * LCM_DATAGRAM_MAX;
     out_memory->own_bytes = sizeof(vdna_transport) + image + known.max_message_bytes;
-    out_memory->lcm_bytes = pictures * message + LCM_FRAGMENTS_MAX + message + rings + LCM_ITSELF;
+    out_memory->lcm_bytes =
+        (pictures + overheard + 1) * message + LCM_FRAGMENTS_MAX + rings + LCM_ITSELF;
     return VDNA_OK;
 }
 

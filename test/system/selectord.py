@@ -253,6 +253,15 @@ def image_message(utime, data):
             struct.pack(">i", 0))
 
 
+def lcm_log(path, events):
+    """Write an LCM log: (channel, message) ten times a second."""
+    with open(path, "wb") as file:
+        for number, (channel, message) in enumerate(events):
+            file.write(struct.pack(">IqqII", 0xEDA1DA01, number, number * 100000, len(channel),
+                                   len(message)) + channel.encode() + message)
+    return path
+
+
 def localisation_message(utime):
     """A vdna_msg.localisation_t that says WARMING_UP."""
     fingerprint = 0x046A6F5BAC763B02

@@ -3,18 +3,21 @@
 Environment: VDNA_BIN (folder of the programs), VDNA_MODELS (folder of the backbones).
 Works in the current directory; an existing map is reused.
 """
+import contextlib
+import itertools
 import json
 import os
 import shutil
 import signal
 import statistics
 import subprocess
+import threading
 import time
 import unittest
 
 import own_network
-from selectord import (BIN, Camera, Selectord, Watch, WithConfiguration, image_message,
-                       localisation_message, selectord, vdna, vdna_json)
+from selectord import (BIN, Camera, Selectord, Watch, WithConfiguration, image_message, jpegs_in,
+                       lcm_log, localisation_message, selectord, vdna, vdna_json)
 
 WORK = os.path.abspath("daemon")
 MAP = os.path.join(WORK, "map")
@@ -267,6 +270,223 @@ class Network(WithConfiguration):
             self.assertIn(process.wait(20), (0, -signal.SIGTERM))
 
 
+class Sender:
+    """Sends a message ten times a second, until its end."""
+
+    def __init__(self, channel, message):
+        self._channel, self._message = channel, message
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._send)
+
+    def _send(self):
+        with Camera(self._channel) as camera:
+            for number in itertools.count():
+                camera.send(self._message(number))
+                if self._over.wait(0.1):
+                    return
+
+    def __enter__(self):
+        self._thread.start()
+
+    def __exit__(self, *_):
+        self._over.set()
+        self._thread.join()
+
+
+class Waiting(WithConfiguration):
+    """A daemon that gets frames it cannot use, or none: within seconds it says why."""
+
+    work = WORK
+
+    def assert_said(self, words, senders, *options):
+        """A status and one line on standard error, no more, have these words."""
+        with contextlib.ExitStack() as stack:
+            watch = stack.enter_context(Watch())
+            daemon = stack.enter_context(Selectord("--map", MAP, *options))
+            for sender in senders:
+                stack.enter_context(sender)
+            watch.wait_for("status", lambda status: words in status["message"], 10)
+            watch.collect(2.5)
+            self.assertIn(words, watch.of("status")[-1]["message"])
+            self.assertTrue(daemon.is_running())
+        self.assertEqual(len([line for line in daemon.log if words in line]), 1, daemon.log)
+        return watch.of("status")[-1]["message"]
+
+    def test_nothing_at_all(self):
+        said = self.assert_said("nor on any other channel", [])
+        self.assertIn("no message on CAMERA for ", said)
+
+    def test_pictures_on_another_channel(self):
+        picture = first_picture()
+        said = self.assert_said("CAMERA_FRONT carries bot_core.image_t at ",
+                                [Sender("CAMERA_FRONT", lambda n: image_message(n, picture)),
+                                 Sender("POSE", lambda n: b"whatever comes")])
+        self.assertIn("no message on CAMERA for ", said)
+        self.assertIn("set [lcm] camera", said)
+        self.assertNotIn("POSE", said)
+        rate = float(said.split(" at ")[1].split(" Hz")[0])
+        self.assertTrue(5 < rate < 12, said)  # ten a second, on a busy machine less
+
+    def test_anything_on_many_other_channels(self):
+        noise = [Sender(f"\x1b[{n}m", lambda n: os.urandom(n % 50)) for n in range(30)]
+        said = self.assert_said("none bot_core.image_t", noise)
+        self.assertRegex(said, r"; \?\[\d+m carries fingerprint [0-9a-f]{16} at ")
+        self.assertNotIn("\x1b", said)
+
+    def test_another_type(self):
+        images = bytes.fromhex("20ba4f05e8f5e33a") + b"several pictures"
+        said = self.assert_said("found fingerprint 20ba4f05e8f5e33a (bot_core.images_t)",
+                                [Sender("CAMERA", lambda n: images)])
+        self.assertIn("expected bot_core.image_t", said)
+
+    def test_oversized_frames(self):
+        small = self.configure("[lcm]\nmax_image_bytes = 2000\n")
+        said = self.assert_said("[lcm] max_image_bytes: found 2001 bytes, expected at most 2000",
+                                [Sender("CAMERA", lambda n: image_message(n, b"x" * 2001))],
+                                "-c", small)
+        self.assertIn("set it to 2001 or more", said)
+
+    def test_frames_that_cannot_be_decoded(self):
+        self.assert_said("all frames are refused, the last one because: ",
+                         [Sender("CAMERA", lambda n: image_message(n, b"no JPEG"))])
+
+    def test_a_warmup_that_begins_anew_with_every_other_frame(self):
+        picture = first_picture()
+        self.assert_said("the warmup began anew ",
+                         [Sender("CAMERA", lambda n: image_message(n % 2 * 10**7, picture))])
+
+    def test_camera_time_that_stands_still(self):
+        picture = first_picture()
+        for options in (["--warmup-seconds", 2], ["--warmup-frames", 3]):
+            self.assert_said("camera time has not moved for ",
+                             [Sender("CAMERA", lambda n: image_message(0, picture))], *options)
+
+    def test_it_goes_on_when_the_frames_come(self):
+        picture = first_picture()
+        with Watch() as watch, Selectord("--map", MAP, "--warmup-frames", 3):
+            watch.wait_for("status", lambda status: status["message"], 10)
+            with Sender("CAMERA", lambda n: image_message(n * 100000, picture)):
+                watch.wait_for("ranking", seconds=10)
+                watch.wait_for("status", lambda status: not status["message"], 10)
+
+    def test_without_a_route_every_program_says_the_same(self):
+        for command in (["ip", "route", "del", "224.0.0.0/4", "dev", "lo"],
+                        ["ip", "link", "set", "lo", "down"]):
+            subprocess.run(command, check=True)
+            said = {result.stderr.splitlines()[-1].split(": ", 1)[1] for result in (
+                selectord("--map", MAP), vdna("watch", "--for", 1, check=False),
+                vdna("command", "reset", check=False),
+                vdna("play", LIVE, "--frames", 1, check=False)) if result.returncode == 1}
+            self.assertEqual(len(said), 1, said)
+            self.assertIn("`ip route add 224.0.0.0/4 dev lo`", said.pop())
+
+
+class Replay(unittest.TestCase):
+    """A daemon that reads a log."""
+
+    def setUp(self):
+        self.answers = os.path.join(WORK, f"{self.id()}.jsonl")
+        if os.path.exists(self.answers):
+            os.unlink(self.answers)
+
+    def log(self, channel="CAMERA"):
+        pictures = jpegs_in(LIVE)
+        return lcm_log(os.path.join(WORK, f"{self.id()}.log"),
+                       [(channel, image_message(number * 100000, picture))
+                        for number, picture in enumerate(pictures)])
+
+    def replay(self, log, *options, speed=0):
+        return selectord("--map", MAP, "--warmup-frames", WARMUP, "-l",
+                         f"file://{log}?speed={speed}", *options)
+
+    def read_answers(self):
+        with open(self.answers, "rb") as file:
+            return file.read()
+
+    def test_keeps_the_same_answers_at_any_speed_and_ends_with_the_log(self):
+        files = []
+        for speed in (0, 5, 0):
+            result = self.replay(self.log(), "--answers", self.answers, speed=speed)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn(f"the log has ended: {FRAMES} frames answered", result.stderr)
+            self.assertNotIn("could not be sent", result.stderr)
+            files.append(self.read_answers())
+        self.assertEqual(files[1:], files[:1] * 2)
+
+        answers = [json.loads(line) for line in files[0].splitlines()]
+        positions = [answer for answer in answers if answer["channel"] == "VDNA_LOCALISATION"]
+        rankings = [answer for answer in answers if answer["channel"] == "VDNA_RANKING"]
+        self.assertEqual(len(positions) + len(rankings), len(answers))
+        self.assertEqual([answer["utime"] for answer in positions],
+                         [number * 100000 for number in range(FRAMES)])
+        self.assertEqual([ranking["ranking"][0]["experience"] for ranking in rankings], ["winter"])
+
+    def test_without_a_file_it_says_once_that_answers_are_not_kept(self):
+        result = self.replay(self.log())
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr.count("--answers"), 1, result.stderr)
+        self.assertNotIn("could not be sent", result.stderr)
+
+    def test_a_log_without_a_frame_to_use_is_an_error_that_names_the_channel(self):
+        result = self.replay(self.log("CAMERA_FRONT"), "--answers", self.answers)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("CAMERA_FRONT carries bot_core.image_t: set [lcm] camera", result.stderr)
+
+    def test_a_damaged_log_is_read_on_and_ends_in_an_error(self):
+        log = self.log()
+        with open(log, "rb") as file:
+            whole = file.read()
+        second = whole.index(b"\xed\xa1\xda\x01", 4)
+        third = whole.index(b"\xed\xa1\xda\x01", second + 4)
+        for damage in (b"\0" * 28, whole[second:second + 24] + b"\x7f\xff\xff\xff"):
+            with open(log, "wb") as file:
+                file.write(whole[:second] + damage + whole[second + 28:])
+            result = self.replay(log, "--answers", self.answers)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn(f"{FRAMES - 1} frames answered", result.stderr)
+            self.assertIn(f": {third - second} bytes of the log are damaged", result.stderr)
+        with open(log, "wb") as file:
+            file.write(whole + b"\0" * 1000)
+        result = self.replay(log, "--answers", self.answers)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn(f"{FRAMES} frames answered", result.stderr)
+
+    def test_a_full_disk_is_an_error(self):
+        result = self.replay(self.log(), "--answers", "/dev/full")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("/dev/full: cannot be written: No space left on device", result.stderr)
+
+    def test_a_file_of_something_else_is_not_overwritten(self):
+        log = self.log()
+        before = os.path.getsize(log)
+        result = self.replay(log, "--answers", log)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn(f"{log}: exists and holds no answers", result.stderr)
+        self.assertEqual(os.path.getsize(log), before)
+
+    def test_a_live_daemon_keeps_what_the_watch_shows(self):
+        with Watch() as watch, Camera() as camera, \
+                Selectord("--map", MAP, "--warmup-frames", 3, "--answers", self.answers) as daemon:
+            for utime in range(5):
+                camera.send_jpeg(utime, first_picture())
+                watch.wait_for("localisation")
+            watch.wait_for("status", has_answered(5))
+            daemon.stop()
+        kept = [json.loads(line) for line in self.read_answers().splitlines()]
+        self.assertEqual(kept[:len(watch.messages)], watch.messages)
+        self.assertEqual({message["channel"] for message in kept},
+                         {"VDNA_RANKING", "VDNA_LOCALISATION", "VDNA_STATUS"})
+
+    def test_a_live_daemon_survives_a_full_disk(self):
+        with Watch() as watch, Camera() as camera, \
+                Selectord("--map", MAP, "--answers", "/dev/full") as daemon:
+            watch.wait_for("status")
+            camera.send_jpeg(1, first_picture())
+            watch.wait_for("localisation")
+        self.assertTrue(any("No space left" in line and "not kept" in line for line in daemon.log),
+                        daemon.log)
+
+
 class Onlooker(unittest.TestCase):
     """`vdna watch` without a daemon."""
 
@@ -282,6 +502,13 @@ class Onlooker(unittest.TestCase):
                 time.sleep(0.0005)
             lines = watch.communicate()[0].splitlines()
         self.assertEqual([json.loads(line)["utime"] for line in lines], list(range(sent)))
+
+    def test_a_log_is_shown_to_its_end(self):
+        log = lcm_log(os.path.join(WORK, "answers.log"),
+                      [("VDNA_LOCALISATION", localisation_message(utime)) for utime in range(3)])
+        result = vdna("watch", "--json", "-l", f"file://{log}?speed=0")
+        self.assertEqual([json.loads(line)["utime"] for line in result.stdout.splitlines()],
+                         [0, 1, 2])
 
 
 class CommandLine(WithConfiguration):

@@ -69,7 +69,8 @@ VDNA_API vdna_status vdna_listener_open(const vdna_listener_config *config, vdna
  *  @param timeout_ms  0 = do not wait, at most VDNA_TIMEOUT_MS_MAX
  *  @param out_message filled; its type is NULL if nothing came in time or a signal interrupted
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO if the connection is gone (for file:// URLs: the log
- *          has ended) */
+ *          has ended); VDNA_ERR_FORMAT if a log has ended of which damaged parts were passed over
+ */
 VDNA_API vdna_status vdna_listener_poll(vdna_listener *listener, int32_t timeout_ms,
                                         vdna_listener_message *out_message);
 

@@ -20,6 +20,10 @@ extern "C" {
 /** LCM's own default network, which does not leave this machine. */
 #define VDNA_LCM_URL "udpm://239.255.76.67:7667?ttl=0"
 
+/** What to do if LCM cannot use a udpm:// network: the clause that ends every message about it. */
+#define VDNA_LCM_REMEDY \
+    "if this machine has no network, it lacks a route: `ip route add 224.0.0.0/4 dev lo`"
+
 #define VDNA_CHANNEL_CAMERA "CAMERA"                  /**< default channel of bot_core.image_t */
 #define VDNA_CHANNEL_COMMAND "VDNA_COMMAND"           /**< of vdna_msg.command_t */
 #define VDNA_CHANNEL_RANKING "VDNA_RANKING"           /**< of vdna_msg.ranking_t */
@@ -35,6 +39,9 @@ extern "C" {
 #define VDNA_TRANSPORT_QUEUE 30u
 /** The same for a listener, by default: enough for a slow terminal to lose none. */
 #define VDNA_LISTENER_QUEUE 1000u
+
+/** Most channels that a transport remembers overhearing. */
+#define VDNA_TRANSPORT_OVERHEARD_MAX 16u
 
 /** Longest time that a poll may wait, in milliseconds. */
 #define VDNA_TIMEOUT_MS_MAX 1000
@@ -76,15 +83,29 @@ typedef struct vdna_transport_counters {
     uint32_t backlog_max;       /**< most messages found waiting by one poll; beyond
                                      VDNA_TRANSPORT_QUEUE a channel, LCM drops the newest, uncounted */
     uint32_t reserved;          /**< 0 */
+    uint64_t camera_rejected;   /**< of `rejected`, those on the camera channel */
+    uint64_t camera_fingerprint; /**< of the newest of these, its first 8 bytes; 0 if it has less */
+    uint64_t oversized_bytes;    /**< size of the newest oversized picture; 0 = none */
+    uint64_t damaged_bytes;      /**< of a log: bytes passed over because they are no events; zeros
+                                      or half an event at its end do not count */
 } vdna_transport_counters;
+
+/** A channel other than the transport's own, as it was overheard. */
+typedef struct vdna_transport_overheard {
+    char channel[VDNA_CHANNEL_BYTES_MAX + 1]; /**< its name: any bytes that somebody sent */
+    uint64_t fingerprint; /**< first 8 bytes of its newest message; 0 if that has less */
+    uint64_t messages;    /**< since overhearing began, >= 1; a full queue drops some */
+    int64_t first_us;     /**< when the first of them came, as in vdna_transport_frame */
+    int64_t last_us;      /**< when the newest came */
+} vdna_transport_overheard;
 
 /** Most memory that a transport holds, in bytes. */
 typedef struct vdna_transport_memory {
     uint64_t own_bytes; /**< its own, allocated by vdna_transport_open() */
     uint64_t lcm_bytes; /**< LCM's, over udpm:// : VDNA_TRANSPORT_QUEUE messages for each channel
-                             subscribed to, and messages half received. Valid as long as no message
-                             on the whole network is larger than a camera message of
-                             max_image_bytes */
+                             subscribed to, a few overheard, and messages half received. Valid as
+                             long as no message on the whole network is larger than a camera
+                             message of max_image_bytes */
 } vdna_transport_memory;
 
 /** Results of vdna_transport_poll(); bits. */
@@ -124,9 +145,32 @@ VDNA_API void vdna_transport_close(vdna_transport *transport);
  *  @param out_events  VDNA_TRANSPORT_ bits; 0 if nothing came in time, a signal interrupted, or the
  *                     messages were malformed or unknown commands
  *  @param out_frame   set if the FRAME bit is
- *  @return VDNA_OK; VDNA_ERR_IO if the connection is gone (for file:// URLs: the log has ended) */
+ *  @return VDNA_OK; VDNA_ERR_IO if the connection is gone (for file:// URLs: the log has ended);
+ *          VDNA_ERR_FORMAT if a log has ended of which damaged parts were passed over */
 VDNA_API vdna_status vdna_transport_poll(vdna_transport *transport, int32_t timeout_ms,
                                          uint32_t *out_events, vdna_transport_frame *out_frame);
+
+/** Begin or end overhearing: noting which other channels of the network carry messages, and of
+ *  which type, in a table of fixed size. When it is full, a channel of camera pictures takes the
+ *  place of another; nothing else is kept.
+ *  @param transport  an open one
+ *  @param on         1 = begin, with an empty table unless it has begun already; 0 = end, after
+ *                    which the table stays
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO if the network refuses */
+VDNA_API vdna_status vdna_transport_overhear(vdna_transport *transport, uint32_t on);
+
+/** Get the channels overheard so far.
+ *  @param transport  an open one, or NULL
+ *  @param out_count  their number, at most VDNA_TRANSPORT_OVERHEARD_MAX; untouched for NULL
+ *  @return [*out_count], valid until the next call with this transport; NULL for NULL */
+VDNA_API const vdna_transport_overheard *
+vdna_transport_overheard_channels(const vdna_transport *transport, uint32_t *out_count);
+
+/** Say whether a URL names a log to be read: such a network has an end, and nothing can be
+ *  published on it.
+ *  @param url  as in vdna_transport_config
+ *  @return 1 if so, else 0 */
+VDNA_API int32_t vdna_transport_is_log(const char *url);
 
 /** Get the counters so far.
  *  @param transport  an open one, or NULL

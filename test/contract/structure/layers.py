@@ -35,8 +35,8 @@ ROOMS = {
     "apps/vdna": (11, ["apps/eval", "apps/frames", "apps/program", "apps/record", "apps/report",
                        "apps/simulate", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
                        "lib/transport"]),
-    "apps/selectord": (11, ["apps/program", "lib/backbone", "lib/core", "lib/cpp", "lib/map",
-                            "lib/select", "lib/transport"]),
+    "apps/selectord": (11, ["apps/program", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
+                            "lib/map", "lib/select", "lib/transport"]),
 }
 
 # The public headers of rooms whose name they do not bear.

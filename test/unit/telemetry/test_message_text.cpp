@@ -32,6 +32,21 @@ void every_kind_of_message_is_shown_as_the_type_that_it_is(void **)
     }
 }
 
+void a_line_of_json_is_the_message_after_its_channel(void **)
+{
+    for (const View &view : views()) {
+        void *const message = sample_new(view.type);
+        const std::string line = vdna::telemetry::json_line(view, "FRONT\xff", message);
+        assert_int_equal(line.find("{\"channel\":\"FRONT\xef\xbf\xbd\",\"type\":"), 0);
+        assert_int_equal(line.find('\n'), std::string::npos);
+        nlohmann::ordered_json json = nlohmann::ordered_json::parse(line);
+        json.erase("channel");
+        assert_string_equal(json.dump().c_str(), view.json(message).dump().c_str());
+        assert_ptr_equal(&vdna::telemetry::view_of(*view.type), &view);
+        sample_free(view.type, message);
+    }
+}
+
 // Is there a member whose values have names in the .lcm file?
 bool has_named_values(const vdna_message_type &type)
 {
@@ -120,6 +135,7 @@ void every_kind_of_message_has_a_type_a_name_and_a_channel_of_its_own(void **)
 int main()
 {
     const CMUnitTest tests[] = {
+        cmocka_unit_test(a_line_of_json_is_the_message_after_its_channel),
         cmocka_unit_test(every_kind_of_message_is_shown_as_the_type_that_it_is),
         cmocka_unit_test(a_value_of_a_later_version_is_shown_as_unknown),
         cmocka_unit_test(a_position_on_the_globe_is_shown_in_degrees_to_the_centimetre),

@@ -190,6 +190,24 @@ static void a_malformed_frame_is_rejected_and_the_frame_before_it_kept(void **st
     assert_int_equal(vdna_transport_count(*state)->rejected, 2);
 }
 
+static void of_rejected_camera_messages_the_newest_fingerprint_is_known(void **state)
+{
+    const vdna_transport_counters *counters = vdna_transport_count(*state);
+    send_raw(*state, "CAMERA", "\1\2\3\4\5\6\7\10 and more", 17);
+    assert_int_equal(poll_events(*state, 0), 0);
+    assert_int_equal(counters->camera_rejected, 1);
+    assert_true(counters->camera_fingerprint == 0x0102030405060708);
+
+    send_raw(*state, "VDNA_COMMAND", "reset it", 8);
+    assert_int_equal(poll_events(*state, 0), 0);
+    assert_int_equal(counters->rejected, 2);
+    assert_int_equal(counters->camera_rejected, 1);
+
+    send_raw(*state, "CAMERA", "\1\2\3", 3);
+    assert_int_equal(poll_events(*state, 0), 0);
+    assert_true(counters->camera_fingerprint == 0);
+}
+
 static void a_picture_of_the_largest_size_is_taken_and_one_byte_more_is_oversized(void **state)
 {
     send_picture(*state, 1, MAX_IMAGE_BYTES);
@@ -202,6 +220,7 @@ static void a_picture_of_the_largest_size_is_taken_and_one_byte_more_is_oversize
     assert_int_equal(vdna_transport_count(*state)->oversized, 1);
     assert_int_equal(vdna_transport_count(*state)->rejected, 0);
     assert_int_equal(vdna_transport_count(*state)->picture_bytes_max, MAX_IMAGE_BYTES + 1);
+    assert_int_equal(vdna_transport_count(*state)->oversized_bytes, MAX_IMAGE_BYTES + 1);
 }
 
 static void oversized_frames_are_reported_with_the_next_frame(void **state)
@@ -368,6 +387,111 @@ static void a_channel_that_is_null_is_neither_heard_nor_published_on(void **stat
     assert_int_equal(poll_events(t, 0), 0);
     assert_int_equal(vdna_transport_count(t)->rejected, 0);
     vdna_transport_close(t);
+}
+
+// --- other channels ---
+
+static uint32_t overheard_count(const vdna_transport *transport)
+{
+    uint32_t count = UINT32_MAX;
+    assert_non_null(vdna_transport_overheard_channels(transport, &count));
+    return count;
+}
+
+static vdna_transport_overheard overheard(const vdna_transport *transport, const char *channel)
+{
+    uint32_t count = 0;
+    const vdna_transport_overheard *all = vdna_transport_overheard_channels(transport, &count);
+    for (uint32_t i = 0; i < count; i++)
+        if (strcmp(all[i].channel, channel) == 0)
+            return all[i];
+    return (vdna_transport_overheard){.messages = 0};
+}
+
+static void send_sample_image(vdna_transport *transport, const char *channel)
+{
+    uint8_t bytes[256];
+    const int size = bot_core_image_t_encode(bytes, 0, sizeof bytes, &sample_image);
+    send_raw(transport, channel, bytes, (size_t)size);
+}
+
+static void other_channels_are_overheard_on_demand_only(void **state)
+{
+    send_raw(*state, "POSE", "12345678", 8);
+    assert_int_equal(poll_events(*state, 0), 0);
+    assert_int_equal(overheard_count(*state), 0);
+
+    assert_int_equal(vdna_transport_overhear(*state, 1), VDNA_OK);
+    assert_int_equal(vdna_transport_overhear(*state, 1), VDNA_OK); // changes nothing
+    const int64_t before_us = monotonic_us();
+    send_raw(*state, "POSE", "12345678", 8);
+    send_raw(*state, "POSE", "87654321", 8);
+    send_raw(*state, "SHORT", "1234567", 7);
+    assert_int_equal(poll_events(*state, 0), 0);
+    assert_int_equal(overheard_count(*state), 2);
+    const vdna_transport_overheard pose = overheard(*state, "POSE");
+    assert_int_equal(pose.messages, 2);
+    assert_true(pose.fingerprint == 0x3837363534333231);
+    assert_in_range(pose.first_us, before_us - 1, pose.last_us);
+    assert_in_range(pose.last_us, pose.first_us, monotonic_us());
+    assert_true(overheard(*state, "SHORT").fingerprint == 0);
+
+    assert_int_equal(vdna_transport_overhear(*state, 0), VDNA_OK);
+    assert_int_equal(vdna_transport_overhear(*state, 0), VDNA_OK);
+    send_raw(*state, "POSE", "12345678", 8);
+    assert_int_equal(poll_events(*state, 0), 0);
+    assert_int_equal(overheard(*state, "POSE").messages, 2);
+
+    assert_int_equal(vdna_transport_overhear(*state, 1), VDNA_OK);
+    assert_int_equal(overheard_count(*state), 0);
+}
+
+static void our_own_channels_are_received_as_ever_and_not_overheard(void **state)
+{
+    assert_int_equal(vdna_transport_overhear(*state, 1), VDNA_OK);
+    send_picture(*state, 1, 10);
+    assert_int_equal(publish_command(*state, &sample_command), VDNA_OK);
+    for (int i = 0; i < 3; i++) // as many as LCM queues for us
+        send_raw(*state, "POSE", "12345678", 8);
+    assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_FRAME | VDNA_TRANSPORT_RESET);
+    assert_int_equal(vdna_transport_count(*state)->received, 1);
+    assert_int_equal(vdna_transport_count(*state)->backlog_max, 2);
+    assert_int_equal(overheard_count(*state), 1);
+}
+
+static void of_many_channels_those_with_pictures_are_kept(void **state)
+{
+    assert_int_equal(vdna_transport_overhear(*state, 1), VDNA_OK);
+    char name[] = "CHANNEL_x";
+    for (char letter = 'A'; letter <= 'Z'; letter++) {
+        name[sizeof name - 2] = letter;
+        send_raw(*state, name, "\xff\0\n", 3);
+        assert_int_equal(poll_events(*state, 0), 0);
+    }
+    assert_int_equal(overheard_count(*state), VDNA_TRANSPORT_OVERHEARD_MAX);
+    assert_int_equal(overheard(*state, "CHANNEL_Z").messages, 0);
+
+    for (char letter = 'a'; letter <= 'z'; letter++) {
+        name[sizeof name - 2] = letter;
+        send_sample_image(*state, name);
+        assert_int_equal(poll_events(*state, 0), 0);
+    }
+    assert_int_equal(overheard_count(*state), VDNA_TRANSPORT_OVERHEARD_MAX);
+    const vdna_transport_overheard picture = overheard(*state, "CHANNEL_a");
+    assert_int_equal(picture.messages, 1);
+    assert_true(picture.fingerprint == vdna_message_image.fingerprint);
+    assert_int_equal(overheard(*state, "CHANNEL_A").messages, 0);
+    assert_int_equal(overheard(*state, "CHANNEL_z").messages, 0);
+}
+
+static void overhearing_refuses_bad_arguments(void **state)
+{
+    uint32_t count = 7;
+    assert_int_equal(vdna_transport_overhear(NULL, 1), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_overhear(*state, 2), VDNA_ERR_ARG);
+    assert_null(vdna_transport_overheard_channels(NULL, &count));
+    assert_null(vdna_transport_overheard_channels(*state, NULL));
+    assert_int_equal(count, 7);
 }
 
 // --- out ---
@@ -597,8 +721,8 @@ static void the_memory_that_is_stated_follows_the_configuration(void **state)
     config.max_message_bytes = 500;
     assert_int_equal(vdna_transport_memory_of(&config, &large), VDNA_OK);
     assert_int_equal(large.own_bytes, small.own_bytes + 1000 + 500);
-    /* 30 in the queue, one being handled, one half received */
-    assert_int_equal(large.lcm_bytes, small.lcm_bytes + 32 * 1000);
+    /* 30 in the queue and one being handled, 3 and one overheard, one half received */
+    assert_int_equal(large.lcm_bytes, small.lcm_bytes + 36 * 1000);
 
     config.camera_channel = NULL;
     assert_int_equal(vdna_transport_memory_of(&config, &large), VDNA_OK);
@@ -620,6 +744,24 @@ static void the_room_for_messages_is_there_from_the_start(void **state)
 }
 
 // --- logs ---
+
+static void a_url_names_a_log_if_it_is_to_be_read(void **state)
+{
+    (void)state;
+    const char *logs[] = {"file:///a.log", "file://a.log?speed=0", "file://a?mode=r&speed=2",
+                          "file:///mode=w/a.log"};
+    for (size_t i = 0; i < sizeof logs / sizeof *logs; i++)
+        assert_int_equal(vdna_transport_is_log(logs[i]), 1);
+    const char *others[] = {"udpm://239.255.76.67:7667?ttl=0", "memq://", "/a.log",
+                            "file://a.log?mode=w", "file://a.log?speed=1&mode=a"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        assert_int_equal(vdna_transport_is_log(others[i]), 0);
+    setenv("LCM_DEFAULT_URL", "file://a.log", 1);
+    assert_int_equal(vdna_transport_is_log(NULL), 1);
+    assert_int_equal(vdna_transport_is_log(""), 1);
+    unsetenv("LCM_DEFAULT_URL");
+    assert_int_equal(vdna_transport_is_log(NULL), 0);
+}
 
 static void a_log_hands_out_every_frame_and_then_ends(void **state)
 {
@@ -648,6 +790,7 @@ static void a_log_hands_out_every_frame_and_then_ends(void **state)
     assert_int_equal(poll_events(reader, 0), VDNA_TRANSPORT_RESET);
     assert_int_equal(poll_frame(reader).utime, 3);
     assert_int_equal(vdna_transport_count(reader)->skipped, 0);
+    assert_int_equal(publish_ranking(reader, &sample_ranking), VDNA_ERR_IO);
     for (int again = 0; again < 2; again++) {
         vdna_transport_frame frame;
         uint32_t events;
@@ -667,6 +810,7 @@ int main(void)
         ON_MEMQ(of_several_frames_the_newest_is_kept_and_the_others_are_skipped),
         ON_MEMQ(a_frame_is_handed_out_once_and_then_is_not_skipped),
         ON_MEMQ(a_malformed_frame_is_rejected_and_the_frame_before_it_kept),
+        ON_MEMQ(of_rejected_camera_messages_the_newest_fingerprint_is_known),
         ON_MEMQ(a_picture_of_the_largest_size_is_taken_and_one_byte_more_is_oversized),
         ON_MEMQ(oversized_frames_are_reported_with_the_next_frame),
         ON_MEMQ(the_time_in_the_queue_of_lcm_is_part_of_a_frames_age),
@@ -681,6 +825,10 @@ int main(void)
         cmocka_unit_test(every_character_may_be_in_a_channel_name),
         cmocka_unit_test(channel_names_have_1_to_63_bytes),
         cmocka_unit_test(a_channel_that_is_null_is_neither_heard_nor_published_on),
+        ON_MEMQ(other_channels_are_overheard_on_demand_only),
+        ON_MEMQ(our_own_channels_are_received_as_ever_and_not_overheard),
+        ON_MEMQ(of_many_channels_those_with_pictures_are_kept),
+        ON_MEMQ(overhearing_refuses_bad_arguments),
         ON_MEMQ(a_published_ranking_passes_the_check_and_decodes_to_itself),
         ON_MEMQ(a_published_localisation_passes_the_check_and_decodes_to_itself),
         ON_MEMQ(a_published_status_passes_the_check_and_decodes_to_itself),
@@ -692,6 +840,7 @@ int main(void)
         cmocka_unit_test(a_bad_configuration_is_refused),
         cmocka_unit_test(the_memory_that_is_stated_follows_the_configuration),
         cmocka_unit_test(the_room_for_messages_is_there_from_the_start),
+        cmocka_unit_test(a_url_names_a_log_if_it_is_to_be_read),
         cmocka_unit_test(a_log_hands_out_every_frame_and_then_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
