@@ -86,12 +86,9 @@ class LogReader : public Reader
     void describe(Account &account) const override
     {
         account.order = "log";
-        if (log_.half_event > 0)
-            account.notes.push_back("ends in half an event of " + std::to_string(log_.half_event) +
-                                    " bytes, left out");
-        if (log_.zeros > 0)
-            account.notes.push_back("ends in " + std::to_string(log_.zeros) +
-                                    " bytes of zeros, left out");
+        if (log_.end_bytes > 0)
+            account.notes.push_back("its last " + std::to_string(log_.end_bytes) +
+                                    " bytes are zeros or half an event, left out");
     }
 
   private:

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
 #include <set>
 #include <string>
 #include <vector>
@@ -29,8 +28,7 @@ struct LogContents {
     std::vector<LogEvent> events; // of one channel
     std::vector<LogDamage> damages;
     std::set<std::string> channels; // all of them
-    uint64_t half_event = 0;        // bytes of an event cut off by the end of the file
-    uint64_t zeros = 0;             // bytes of zeros at the end, which a power cut leaves
+    uint64_t end_bytes = 0;         // of half an event or of zeros at the end
 };
 
 // Read the headers of all events. Where bytes are no event, the next one is looked for. Throws

@@ -1,5 +1,4 @@
-/* Private: an LCM log file, read event by event at the pace of its URL. LCM's own reader crashes on
- * a damaged length, ends at the first damage, and drops the last event before zeros. */
+/* Private: an LCM log file, read event by event at the pace of its URL. */
 #ifndef VDNA_LOG_H
 #define VDNA_LOG_H
 
