@@ -23,9 +23,10 @@ struct SourceOptions {
     std::string camera = VDNA_CHANNEL_CAMERA; // channel of an LCM log
     std::string labels;                       // CSV file; "" = labels.csv of the folder, if present
     bool labelled = true;                     // false: labels are not read
-    uint64_t skip = 0;                        // frames left out at the start
-    uint64_t every = 1;                       // of the rest, keep every N-th frame, >= 1
-    bool skip_bad = false;                    // for Pass: leave out unusable frames
+    LabelOptions label_options;
+    uint64_t skip = 0;     // frames left out at the start
+    uint64_t every = 1;    // of the rest, keep every N-th frame, >= 1
+    bool skip_bad = false; // for Pass: leave out unusable frames
 };
 
 // One frame. `image.data` is borrowed until the next frame is read.
