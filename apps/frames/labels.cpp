@@ -77,7 +77,7 @@ class Cells
         double value = 0;
         if (!parse(cell, value))
             fail(row, column, "a decimal number" + remedy_of(cell));
-        return value;
+        return std::isfinite(value) ? value : std::nan("");
     }
 
     [[noreturn]] void fail(const CsvRow &row, const char *column, const std::string &expected) const
