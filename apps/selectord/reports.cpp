@@ -64,6 +64,7 @@ vdna_msg_localisation_t no_position(int64_t utime, int32_t validity)
     message.utime = utime;
     message.validity = validity;
     message.experience = borrow("");
+    message.position_frame = borrow("");
     message.frame = -1;
     message.distance = not_known;
     message.predicted_recall = not_known;
@@ -83,6 +84,7 @@ vdna_msg_localisation_t position_in(const vdna_experience &chosen, const vdna_kn
     }
     if (chosen.frame_position && !std::isnan(chosen.frame_position[size_t{3} * match.index])) {
         message.has_position = 1;
+        message.position_frame = borrow("local");
         for (size_t axis = 0; axis < 3; axis++)
             message.position[axis] = chosen.frame_position[3 * size_t{match.index} + axis];
     }
@@ -111,20 +113,21 @@ void fill_counters(const Health &health, vdna_msg_status_t &message)
     message.refused = static_cast<int64_t>(health.refused);
     message.skipped = static_cast<int64_t>(counters.skipped);
     message.oversized = static_cast<int64_t>(counters.oversized);
+    message.late = 0;
     message.rejected = static_cast<int64_t>(counters.rejected);
     message.restarts = static_cast<int64_t>(vdna_select_restarts(&health.select));
 }
 
 void fill_stages(const Stages &stages, vdna_msg_status_t &message)
 {
-    message.queue = duration_of(stages.queue);
-    message.decode = duration_of(stages.decode);
-    message.resize = duration_of(stages.resize);
-    message.inference = duration_of(stages.inference);
-    message.select = duration_of(stages.select);
-    message.rank = duration_of(stages.rank);
-    message.publish = duration_of(stages.publish);
-    message.total = duration_of(stages.total);
+    message.queue_time = duration_of(stages.queue);
+    message.decode_time = duration_of(stages.decode);
+    message.resize_time = duration_of(stages.resize);
+    message.inference_time = duration_of(stages.inference);
+    message.select_time = duration_of(stages.select);
+    message.rank_time = duration_of(stages.rank);
+    message.publish_time = duration_of(stages.publish);
+    message.total_time = duration_of(stages.total);
 }
 
 void fill_memory(const Health &health, vdna_msg_status_t &message)
