@@ -368,9 +368,10 @@ void Labels::require_row_in(const fs::path &file) const
             return;
         }
     throw Error(csv_ + ": no row is about a picture of " + file.parent_path().string() + ": " +
-                (rows_.empty() ? "it has no rows"
-                               : "its first row is about '" + names_.name(0) +
-                                     "', the first picture is '" + file.filename().string() + "'") +
+                (rows_.empty()
+                     ? "it has no rows"
+                     : "its first row is about '" + names_.name(0) +
+                           "', and a picture is called '" + file.filename().string() + "'") +
                 ", expected names relative to the table or to the folder of the pictures");
 }
 

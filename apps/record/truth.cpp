@@ -77,6 +77,19 @@ void require_altitudes_alike(const Side &live, const Side &map, const char *expe
                     "horizontally");
 }
 
+// Why they are not labelled alike, which they are not.
+std::string difference_of(const Recording &live, const vdna_experience &map)
+{
+    if (live.position.empty() && live.place.empty())
+        return "the live frames have no ground truth";
+    if (!map.frame_position && !map.frame_place)
+        return "the map has no ground truth";
+    if (live.position.empty() || !map.frame_position)
+        return live.position.empty() ? "live with places, map with positions"
+                                     : "live with positions, map with places";
+    return "live in frame " + live.position_frame + ", map in " + map.position_frame;
+}
+
 } // namespace
 
 const char *name_of(Unit unit)
@@ -100,8 +113,8 @@ Truth::Truth(const Recording &live, const vdna_experience &map, bool with_altitu
         unit_ = Unit::places;
         live_place_ = live.place.data();
         map_place_ = map.frame_place;
-    } else if (both) {
-        difference_ = "live in frame " + live.position_frame + ", map in " + map.position_frame;
+    } else {
+        difference_ = difference_of(live, map);
     }
 }
 

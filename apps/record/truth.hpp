@@ -30,8 +30,7 @@ class Truth
 
     // none = not labelled alike.
     Unit unit() const { return unit_; }
-    // Why there is no unit although both have positions: "live in frame wgs84, map in local"; or
-    // "".
+    // Why there is no unit: "live in frame wgs84, map in local"; "" if there is one.
     const std::string &difference() const { return difference_; }
     // Whether a live frame has a label of this unit.
     bool knows(size_t live) const;

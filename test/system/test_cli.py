@@ -253,9 +253,10 @@ class Build(Scratch):
         self.assertIn("neither a folder", self.refused("build", "map", "text.txt"))
         self.assertIn("map", self.refused("build", "text.txt/map", self.pictures("a", [1])))
 
-    def test_a_picture_without_a_label_is_named(self):
+    def test_a_picture_without_a_label_is_built_and_counted(self):
         self.pictures("a", range(2), "file,place\n000.ppm,1\n")
-        self.assertIn("001.ppm", self.refused("build", "map", "a"))
+        self.assertIn("2 frames, ", self.vdna("build", "map", "a"))
+        self.assertIn(", 1 without ground truth", self.vdna("build", "map", "a", "--force"))
 
     def test_an_unknown_backbone_is_refused(self):
         self.pictures("a", range(1))

@@ -9,6 +9,7 @@ SEED, which runs that one table again.
 """
 
 import csv
+import functools
 import io
 import math
 import os
@@ -243,6 +244,7 @@ def labels_of(header, rows):
     return labels, flaws
 
 
+@functools.lru_cache(maxsize=None)
 def alike(name):
     text = name.replace(b"\\", b"/")
     try:

@@ -329,12 +329,12 @@ void a_table_of_other_pictures_names_both_spellings(void **)
 {
     const Pictures at({"000.jpg", "001.jpg"});
     const std::string pictures = (at.path() / "pictures").string();
-    assert_string_equal(at.place("frame_0.png,1\n", "000.jpg").c_str(),
-                        ((at.path() / "t.csv").string() + ": no row is about a picture of " +
-                         pictures +
-                         ": its first row is about 'frame_0.png', the first picture is '000.jpg', "
-                         "expected names relative to the table or to the folder of the pictures")
-                            .c_str());
+    assert_string_equal(
+        at.place("frame_0.png,1\n", "000.jpg").c_str(),
+        ((at.path() / "t.csv").string() + ": no row is about a picture of " + pictures +
+         ": its first row is about 'frame_0.png', and a picture is called '000.jpg', "
+         "expected names relative to the table or to the folder of the pictures")
+            .c_str());
     assert_non_null(std::strstr(at.place("", "000.jpg").c_str(), "it has no rows"));
     assert_non_null(std::strstr(at.place("000.jpg,1\nK\xE4"
                                          "fer.jpg,2\n",

@@ -231,6 +231,14 @@ void without_common_labels_there_are_matches_only(void **)
     const Localisation found = vdna::record::localise_in(map.experience, recording_of({4}, {1}), 5);
     assert_true(found.unit == Unit::none);
     assert_int_equal(found.matches[0].frame, 1);
+    assert_string_equal(found.difference.c_str(), "the map has no ground truth");
+    const Frames places("m", {0}, {1});
+    Recording live = recording_of({4}, {});
+    assert_string_equal(vdna::record::localise_in(places.experience, live, 5).difference.c_str(),
+                        "the live frames have no ground truth");
+    live.position = {1, 2, 3};
+    assert_string_equal(vdna::record::localise_in(places.experience, live, 5).difference.c_str(),
+                        "live with positions, map with places");
 }
 
 void all_together_is_the_nearest_of_each(void **)
