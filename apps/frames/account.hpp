@@ -12,7 +12,7 @@ namespace vdna::frames
 
 struct Account {
     std::string order;              // what orders the frames: "utime", "numbers" or "names" of
-                                    // pictures, "log", "video", or "order" of a manifest
+                                    // pictures, "log", "video", or "manifest"
     std::string time_unit;          // of the stamps found: "microseconds" ...; "" = there are none
     uint64_t expected = 0;          // frames that the source should have; 0 = it does not say
     uint64_t bad = 0;               // frames that are unusable or missing

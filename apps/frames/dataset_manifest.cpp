@@ -87,7 +87,7 @@ Dataset load_manifest(const fs::path &path)
         std::stable_sort(entries.begin(), entries.end(),
                          [](const Entry &a, const Entry &b) { return a.order < b.order; });
         DatasetTraversal traversal{name, "", {}, {}};
-        traversal.account.order = "order";
+        traversal.account.order = "manifest";
         for (const Entry &entry : entries)
             traversal.frames.push_back({entry.file, labels.find(entry.file, 0)});
         dataset.traversals.push_back(std::move(traversal));

@@ -2,6 +2,7 @@
 #include <charconv>
 
 #include <vdna/cpp/error.hpp>
+#include <vdna/identity.h>
 
 #include "frames/dataset.hpp"
 #include "frames/utm_name.hpp"
@@ -38,6 +39,8 @@ Label label_of(const fs::path &file, std::string &zone)
                     " as the first picture");
     Label label;
     label.position = {{metres(file, name.east), metres(file, name.north), 0}};
+    label.position_frame = "utm-" + zone;
+    vdna_name_replace(label.position_frame.data());
     return label;
 }
 

@@ -15,9 +15,11 @@ std::optional<Labels> labels_of(const std::string &path, const SourceOptions &op
     if (!options.labelled)
         return {};
     if (!options.labels.empty())
-        return Labels(options.labels);
+        return Labels(options.labels, options.label_options);
     const fs::path own = fs::path(path) / "labels.csv";
-    return fs::exists(own) ? std::optional<Labels>(own) : std::nullopt;
+    if (!fs::exists(own))
+        return {};
+    return Labels(own, options.label_options);
 }
 
 // The stamps of the frames that are known beforehand.
@@ -47,6 +49,8 @@ bool Source::next(Frame &out_frame)
         Frame frame;
         if (!read(frame)) {
             complain_of_rows_without_frames();
+            if (labels_)
+                labels_->finish();
             return false;
         }
         const std::optional<int64_t> utime = axis_.take(frame.utime);

@@ -28,8 +28,9 @@ struct SourceOptions {
     uint32_t time_unit = VDNA_TIME_UNIT_AUTO;        // of time stamps
     double late_s = VDNA_TIME_LATE_US_DEFAULT / 1e6; // frames this much older than the newest are
                                                      // late and left out, >= 0
-    std::string labels;    // CSV file; "" = labels.csv of the folder, if present
-    bool labelled = true;  // false: labels are not read
+    std::string labels;   // CSV file; "" = labels.csv of the folder, if present
+    bool labelled = true; // false: labels are not read
+    LabelOptions label_options;
     uint64_t skip = 0;     // frames left out at the start
     uint64_t every = 1;    // of the rest, keep every N-th frame, >= 1
     bool skip_bad = false; // for Pass: leave out unusable frames

@@ -115,6 +115,9 @@ vdna_experience Maker::experience_of(const Draft &draft) const
     e.frame_place = r.place.empty() ? nullptr : r.place.data();
     e.frame_position = r.position.empty() ? nullptr : r.position.data();
     e.frame_grey = r.grey.data();
+    r.position_frame.copy(e.position_frame, sizeof e.position_frame - 1);
+    r.account.order.copy(e.order, sizeof e.order - 1);
+    vdna_name_replace(e.order);
     return e;
 }
 

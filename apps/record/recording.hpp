@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "record/pass.hpp"
@@ -10,10 +11,13 @@ namespace vdna::record
 {
 
 // Per-frame tables, laid out as in an experience file. `place` and `position` stay empty if the
-// frames carry no such labels.
+// frames carry no such labels; a frame without the label that others have gets VDNA_PLACE_NONE or
+// NaNs.
 struct Recording {
     uint32_t frames = 0;
     frames::Account account;       // how they were ordered and timed, and what was left out
+    uint32_t without_truth = 0;    // frames without the ground truth that others have
+    std::string position_frame;    // of the positions; "" without
     std::vector<uint64_t> index;   // [frames], in the source
     std::vector<int64_t> utime;    // [frames], microseconds
     std::vector<int64_t> place;    // [frames]
@@ -25,8 +29,12 @@ struct Recording {
     void add(const Pass &pass);
     // Throw Error if no frame of the source could be used.
     void require_frames(const std::string &source) const;
-    // Append a frame and its network output.
+    // Append a frame and its network output. Throws Error if its position is in another frame.
     void add(const frames::Frame &frame, const vdna_backbone_frame &output);
+
+  private:
+    // name: of the frame, for the error.
+    void add(const frames::Label &label, const std::string &name);
 };
 
 } // namespace vdna::record

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cinttypes>
 #include <cstdio>
+#include <utility>
 
 #include <vdna_messages.h>
 
@@ -121,6 +122,7 @@ void Daemon::overhear(vdna_transport *transport)
 
 Facts Daemon::facts(vdna_transport *transport) const
 {
+    const vdna_camera_time &time = *vdna_select_time(selector_.get());
     Facts facts;
     facts.now_us = monotonic_us();
     facts.camera = *vdna_transport_count(transport);
@@ -129,10 +131,11 @@ Facts Daemon::facts(vdna_transport *transport) const
     facts.progress = vdna_select_progress(selector_.get());
     facts.accepted = vdna_select_accepted(selector_.get());
     facts.refused = refused_;
-    facts.still = still_;
+    facts.late = time.late;
+    facts.still = time.still;
     facts.restarts = vdna_select_restarts(selector_.get());
     facts.refusal = refusal_.data();
-    facts.restart_reason = "camera time ran backwards";
+    facts.restart_reason = vdna_restart_text(vdna_select_restart_cause(selector_.get()));
     return facts;
 }
 
@@ -176,9 +179,15 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
         return; // cancelled: the frame is not at fault
 
     Stopwatch watch;
-    vdna_msg_localisation_t message =
+    std::optional<vdna_msg_localisation_t> answer =
         status == VDNA_OK ? use(transport, frame, seen, watch) : refuse(frame, error.text);
-    message.skipped = static_cast<int64_t>(frame.skipped);
+    unanswered_ += frame.skipped;
+    if (!answer) {
+        unanswered_++;
+        return;
+    }
+    vdna_msg_localisation_t &message = *answer;
+    message.skipped = static_cast<int64_t>(std::exchange(unanswered_, 0));
     // A log waits for us, and is to give the same answers again.
     message.latency_us = is_replay_ ? 0 : monotonic_us() - frame.received_us;
     publish(transport, config_.localisation_channel, vdna_message_localisation, &message);
@@ -193,22 +202,24 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     stages_.total.add(monotonic_us() - frame.received_us);
 }
 
-vdna_msg_localisation_t Daemon::use(vdna_transport *transport, const vdna_transport_frame &frame,
-                                    const vdna_backbone_frame &seen, Stopwatch &watch)
+std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
+                                                   const vdna_transport_frame &frame,
+                                                   const vdna_backbone_frame &seen,
+                                                   Stopwatch &watch)
 {
     const vdna_select_frame live{frame.utime, seen.taps, seen.tap_count, seen.embedding};
-    const bool is_first = vdna_select_accepted(selector_.get()) == 0;
     vdna_select_answer found;
     const vdna_status status = vdna_select_feed(selector_.get(), &live, &found);
+    if (status == VDNA_ERR_LATE)
+        return {};
     if (status != VDNA_OK)
         return refuse(frame, vdna_status_text(status));
     (found.newly_ranked ? stages_.rank : stages_.select).add(watch.lap_us());
-    still_ = !is_first && frame.utime == newest_utime_ ? still_ + 1 : 0;
-    newest_utime_ = frame.utime;
     window_frames_max_ = std::max(window_frames_max_, vdna_select_window_frames(selector_.get()));
 
     if (found.restarted)
-        problems_.note(monotonic_us(), "camera time ran backwards, warming up again");
+        problems_.note(monotonic_us(), "the warmup began anew, %s",
+                       vdna_restart_text(found.restarted));
     if (found.newly_ranked)
         announce_choice(transport);
     if (!found.localised)

@@ -51,8 +51,10 @@ class Daemon
     void reset();
     void answer(vdna_transport *transport, const vdna_transport_frame &frame,
                 const std::atomic<bool> &stop);
-    vdna_msg_localisation_t use(vdna_transport *transport, const vdna_transport_frame &frame,
-                                const vdna_backbone_frame &seen, Stopwatch &watch);
+    // Nothing for a late frame.
+    std::optional<vdna_msg_localisation_t> use(vdna_transport *transport,
+                                               const vdna_transport_frame &frame,
+                                               const vdna_backbone_frame &seen, Stopwatch &watch);
     vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason);
     void announce_choice(vdna_transport *transport);
     void publish_status(vdna_transport *transport);
@@ -75,8 +77,7 @@ class Daemon
     uint64_t refused_ = 0;
     std::array<char, sizeof(vdna_error::text)> refusal_{}; // why the newest of these was refused
     uint64_t localised_ = 0;
-    int64_t newest_utime_ = 0;
-    uint64_t still_ = 0; // the newest frames that did not move camera time
+    uint64_t unanswered_ = 0; // frames skipped or late since the last answer
     uint32_t window_frames_max_ = 0;
 };
 

@@ -1,8 +1,11 @@
 #include "selectord/reports.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
+#include <vdna/geodesy.h>
 #include <vdna/version.h>
 
 namespace vdna::selectord
@@ -71,6 +74,24 @@ vdna_msg_localisation_t no_position(int64_t utime, int32_t validity)
     return message;
 }
 
+namespace
+{
+
+// Positions go out as they came: Earth-centred ones as degrees and height, local ones as metres.
+void fill_position(const vdna_experience &map, const double *position,
+                   vdna_msg_localisation_t &message)
+{
+    double *const out = message.position;
+    message.has_position = 1;
+    message.position_frame = borrow(map.position_frame);
+    if (std::strcmp(map.position_frame, VDNA_FRAME_WGS84) == 0)
+        vdna_geodesy_from_ecef(position, &out[0], &out[1], &out[2]);
+    else
+        std::copy(position, position + 3, out);
+}
+
+} // namespace
+
 vdna_msg_localisation_t position_in(const vdna_experience &chosen, const vdna_knn_match &match,
                                     int64_t utime)
 {
@@ -78,16 +99,14 @@ vdna_msg_localisation_t position_in(const vdna_experience &chosen, const vdna_kn
     message.experience = borrow(chosen.name);
     message.frame = static_cast<int32_t>(match.index);
     message.frame_utime = chosen.frame_utime[match.index];
-    if (chosen.frame_place) {
+    if (chosen.frame_place && chosen.frame_place[match.index] != VDNA_PLACE_NONE) {
         message.has_place = 1;
         message.place = chosen.frame_place[match.index];
     }
-    if (chosen.frame_position) {
-        message.has_position = 1;
-        message.position_frame = borrow("local");
-        for (size_t axis = 0; axis < 3; axis++)
-            message.position[axis] = chosen.frame_position[3 * size_t{match.index} + axis];
-    }
+    const double *const position =
+        chosen.frame_position ? chosen.frame_position + size_t{3} * match.index : nullptr;
+    if (position && !std::isnan(position[0]))
+        fill_position(chosen, position, message);
     message.distance = std::sqrt(match.distance_sq);
     return message;
 }
@@ -113,7 +132,7 @@ void fill_counters(const Health &health, vdna_msg_status_t &message)
     message.refused = static_cast<int64_t>(health.refused);
     message.skipped = static_cast<int64_t>(counters.skipped);
     message.oversized = static_cast<int64_t>(counters.oversized);
-    message.late = 0;
+    message.late = static_cast<int64_t>(vdna_select_time(&health.select)->late);
     message.rejected = static_cast<int64_t>(counters.rejected);
     message.restarts = static_cast<int64_t>(vdna_select_restarts(&health.select));
 }

@@ -37,8 +37,11 @@ void add_warmup_min_option(CLI::App &command, uint32_t &frames_min);
 // Tell on standard error what is to be known about a source that was read.
 void tell(const std::string &source, const frames::Account &account);
 
-// --labels.
+// --labels, --frame.
 void add_labels_option(CLI::App &command, frames::SourceOptions &options);
+
+// --with-altitude.
+void add_altitude_option(CLI::App &command, bool &with_altitude);
 
 // --range-rule; rule: VDNA_RANGE_ABOUT_...
 void add_range_rule_option(CLI::App &command, uint32_t &rule);

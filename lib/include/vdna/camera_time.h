@@ -50,7 +50,7 @@ enum {
 typedef struct vdna_camera_time {
     int64_t distinct[VDNA_TIME_DISTINCT_MAX]; /**< the first stamps, each different from the one
                                                    before; used until the unit is known */
-    int64_t late_us;         /**< bound of a late frame, microseconds, >= 0 */
+    int64_t late_us;                          /**< bound of a late frame, microseconds, >= 0 */
     int64_t newest_us;       /**< newest frame, microseconds; valid while `frames` > 0 */
     int64_t before_us;       /**< newest frame before that with another time; equal to newest_us if
                                   there is none */
@@ -83,15 +83,19 @@ VDNA_API uint32_t vdna_camera_time_take(vdna_camera_time *time, int64_t stamp, i
 /** Recognise the unit of stamps. Rules, the first that applies:
  *   - a first stamp of 10^17 or more is nanoseconds, of 10^14 or more microseconds since 1970;
  *   - a median spacing of 500 or more is microseconds;
- *   - a first stamp of 10^12 up to 4 10^12 is milliseconds, of 10^9 up to 4 10^9 seconds since 1970;
+ *   - a first stamp of 10^12 up to 4 10^12 is milliseconds, of 10^9 up to 4 10^9 seconds since
+ * 1970;
  *   - a median spacing of 1 or 2 is seconds, a larger one milliseconds.
  *  Spacings are absolute differences of consecutive stamps, those of 0 left out.
  *  @param stamps  [count], in the order in which they came
+ *  @param count   0 gives AUTO
  *  @return VDNA_TIME_UNIT_...; AUTO if there are no two different stamps that could tell */
 VDNA_API uint32_t vdna_time_unit(const int64_t *stamps, size_t count);
 
-/** Convert a stamp to microseconds; beyond int64 it becomes the nearest one.
- *  @param unit  VDNA_TIME_UNIT_...; AUTO counts as microseconds */
+/** Convert a stamp to microseconds.
+ *  @param unit   VDNA_TIME_UNIT_...; AUTO counts as microseconds
+ *  @param stamp  any value
+ *  @return microseconds; beyond int64 the nearest one */
 VDNA_API int64_t vdna_time_us(uint32_t unit, int64_t stamp);
 
 /** English name of a unit.

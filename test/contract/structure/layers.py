@@ -13,6 +13,7 @@ ROOMS = {
     "lib/core": (1, []),
     "lib/fail": (2, ["lib/core"]),
     "lib/baseline": (2, ["lib/core"]),
+    "lib/geodesy": (2, ["lib/core"]),
     "lib/identity": (3, ["lib/core", "lib/fail"]),
     "lib/picture": (3, ["lib/core", "lib/fail"]),
     "lib/replace": (3, ["lib/core", "lib/fail"]),
@@ -22,25 +23,26 @@ ROOMS = {
     "lib/transport": (3, ["lib/core", "lib/fail"]),
     "lib/cpp": (5, ["lib/core", "lib/backbone", "lib/identity", "lib/map", "lib/select", "lib/transport"]),
     "apps/program": (6, ["lib/cpp", "lib/replace"]),
-    "apps/frames": (7, ["apps/program", "lib/core", "lib/cpp", "lib/fail", "lib/picture",
+    "apps/frames": (7, ["apps/program", "lib/core", "lib/cpp", "lib/fail", "lib/geodesy",
+                        "lib/identity", "lib/map", "lib/picture",
                         "lib/transport"]),
     "apps/simulate": (7, ["apps/program", "lib/cpp"]),
     "apps/telemetry": (7, ["apps/program", "lib/transport"]),
     "apps/record": (8, ["apps/frames", "apps/program", "lib/backbone", "lib/core", "lib/cpp",
-                        "lib/map", "lib/select"]),
+                        "lib/geodesy", "lib/map", "lib/select"]),
     "apps/eval": (9, ["apps/frames", "apps/program", "apps/record", "lib/backbone", "lib/baseline",
                       "lib/core", "lib/cpp"]),
     "apps/report": (10, ["apps/eval", "apps/frames", "apps/program", "apps/record", "lib/core",
                          "lib/picture"]),
     "apps/vdna": (11, ["apps/eval", "apps/frames", "apps/program", "apps/record", "apps/report",
                        "apps/simulate", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
-                       "lib/transport"]),
+                       "lib/geodesy", "lib/transport"]),
     "apps/selectord": (11, ["apps/program", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
-                            "lib/map", "lib/select", "lib/transport"]),
+                            "lib/geodesy", "lib/map", "lib/select", "lib/transport"]),
 }
 
 # The public headers of rooms whose name they do not bear.
-CORE_HEADERS = "activation emd hist image knn range rank status version window"
+CORE_HEADERS = "activation camera_time emd hist image knn range rank status version window"
 HEADERS = {**{name: "lib/core" for name in CORE_HEADERS.split()},
            "listener": "lib/transport", "message": "lib/transport"}
 UMBRELLA = "vdna"
