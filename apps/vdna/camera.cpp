@@ -1,6 +1,4 @@
 // vdna camera - sends the frames of a running camera over LCM.
-#include <algorithm>
-#include <cstdio>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -14,6 +12,7 @@
 #include "program/interrupt.hpp"
 #include "vdna/camera_channel.hpp"
 #include "vdna/commands.hpp"
+#include "vdna/options.hpp"
 
 namespace vdna::tool
 {
@@ -41,15 +40,6 @@ bool is_device(const std::string &source)
 {
     std::error_code failure;
     return source.rfind("/dev/", 0) == 0 || std::filesystem::is_character_file(source, failure);
-}
-
-void parse_size(const std::string &text, frames::V4l2Settings &settings)
-{
-    int end = 0;
-    if (std::sscanf(text.c_str(), "%5ux%5u%n", &settings.width, &settings.height, &end) != 2 ||
-        static_cast<size_t>(end) != text.size() || settings.width == 0 || settings.height == 0)
-        throw program::UsageError("--size " + text +
-                                  ": expected WIDTHxHEIGHT in pixels, as in 1280x720");
 }
 
 void require_device_for_settings(const CameraOptions &options)
@@ -132,8 +122,11 @@ void report(const CameraOptions &options, const Tally &tally)
 
 void send_camera(CameraOptions options)
 {
-    if (!options.size.empty())
-        parse_size(options.size, options.settings);
+    if (!options.size.empty()) {
+        const PictureSize size = parse_size(options.size, 1, VDNA_IMAGE_SIDE_MAX, "1280x720");
+        options.settings.width = size.width;
+        options.settings.height = size.height;
+    }
     CameraChannel channel(options.url, options.channel);
     Tally tally;
     try {

@@ -1,7 +1,10 @@
 #include "vdna/options.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <map>
 
+#include "program/exit_code.hpp"
 #include "record/ranges.hpp"
 
 namespace vdna::tool
@@ -68,6 +71,22 @@ void add_range_rule_option(CLI::App &command, uint32_t &rule)
         ->transform(CLI::CheckedTransformer(rules).description(""))
         ->type_name("midpoint|zero")
         ->default_str(record::range_rules[rule]);
+}
+
+PictureSize parse_size(const std::string &text, uint32_t least, uint32_t most,
+                       const std::string &example)
+{
+    PictureSize size{};
+    const char *end = text.data() + text.size();
+    const auto width = std::from_chars(text.data(), end, size.width);
+    const bool crossed = width.ec == std::errc() && width.ptr < end && *width.ptr == 'x';
+    const auto height = std::from_chars(crossed ? width.ptr + 1 : end, end, size.height);
+    if (height.ec != std::errc() || height.ptr != end ||
+        std::min(size.width, size.height) < least || std::max(size.width, size.height) > most)
+        throw program::UsageError("--size " + text + ": expected WIDTHxHEIGHT in pixels, " +
+                                  std::to_string(least) + ".." + std::to_string(most) +
+                                  " each, as in " + example);
+    return size;
 }
 
 } // namespace vdna::tool

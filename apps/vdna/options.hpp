@@ -34,4 +34,13 @@ void add_labels_option(CLI::App &command, frames::SourceOptions &options);
 // --range-rule; rule: VDNA_RANGE_ABOUT_...
 void add_range_rule_option(CLI::App &command, uint32_t &rule);
 
+// The size of a picture, in pixels.
+struct PictureSize {
+    uint32_t width, height;
+};
+
+// --size WIDTHxHEIGHT, sides within least..most; example: for the complaint. Throws UsageError.
+PictureSize parse_size(const std::string &text, uint32_t least, uint32_t most,
+                       const std::string &example);
+
 } // namespace vdna::tool
