@@ -20,11 +20,18 @@ std::optional<Labels> labels_of(const std::string &path, const SourceOptions &op
     return fs::exists(own) ? std::optional<Labels>(own) : std::nullopt;
 }
 
+std::optional<TrackJoin> track_of(const std::string &path, const SourceOptions &options)
+{
+    if (!options.labelled || options.gps.empty())
+        return {};
+    return TrackJoin(Track::from_file(options.gps, std::llround(options.gps_gap_s * 1e6)), path);
+}
+
 } // namespace
 
 Source::Source(const std::string &path, const SourceOptions &options)
     : path_(path), options_(options), reader_(open_reader(path, options)),
-      labels_(labels_of(path, options)), to_skip_(options.skip)
+      labels_(labels_of(path, options)), track_(track_of(path, options)), to_skip_(options.skip)
 {
     if (options.skip >= reader_->size())
         throw Error(path + ": has " + std::to_string(reader_->size()) +
@@ -39,12 +46,19 @@ bool Source::next(Frame &out_frame)
     // Set before reading, so that a bad frame also counts as the frame to keep.
     to_skip_ = options_.every - 1;
     Frame frame;
-    if (!reader_->read(frame))
+    if (!reader_->read(frame)) {
+        if (track_)
+            track_->finish();
         return false;
+    }
     if (labels_)
         frame.label = labels_->find(frame.file, frame.index);
     if (frame.label.utime)
         frame.utime = *frame.label.utime;
+    if (__builtin_add_overflow(frame.utime, options_.time_offset_us, &frame.utime))
+        throw Error(frame.name + ": its time and --time-offset are beyond all dates together");
+    if (track_)
+        track_->label_next(frame.utime, frame.label);
     out_frame = frame;
     return true;
 }

@@ -13,6 +13,7 @@
 #include <vdna/transport.h>
 
 #include "frames/labels.hpp"
+#include "frames/track_join.hpp"
 
 namespace vdna::frames
 {
@@ -22,10 +23,14 @@ struct SourceOptions {
     double rate_hz = 10;                      // of pictures without a time stamp, > 0
     std::string camera = VDNA_CHANNEL_CAMERA; // channel of an LCM log
     std::string labels;                       // CSV file; "" = labels.csv of the folder, if present
-    bool labelled = true;                     // false: labels are not read
+    bool labelled = true;                     // false: neither labels nor track are read
     uint64_t skip = 0;                        // frames left out at the start
     uint64_t every = 1;                       // of the rest, keep every N-th frame, >= 1
     bool skip_bad = false;                    // for Pass: leave out unusable frames
+
+    int64_t time_offset_us = 0; // added to the times of all frames
+    std::string gps;            // track whose positions are the frames' truth; "" = none
+    double gps_gap_s = 2;       // fixes of the track further apart than this are not joined, > 0
 };
 
 // One frame. `image.data` is borrowed until the next frame is read.
@@ -76,6 +81,7 @@ class Source
     SourceOptions options_;
     std::unique_ptr<Reader> reader_;
     std::optional<Labels> labels_;
+    std::optional<TrackJoin> track_;
     uint64_t to_skip_; // before the next frame
 };
 

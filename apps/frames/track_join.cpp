@@ -34,7 +34,7 @@ TrackJoin::TrackJoin(Track track, const std::string &source)
 {
 }
 
-std::optional<std::array<double, 3>> TrackJoin::position_of_next(int64_t utime)
+void TrackJoin::label_next(int64_t utime, Label &label)
 {
     begin_utime_ = frames_ == 0 ? utime : std::min(begin_utime_, utime);
     end_utime_ = frames_ == 0 ? utime : std::max(end_utime_, utime);
@@ -42,9 +42,9 @@ std::optional<std::array<double, 3>> TrackJoin::position_of_next(int64_t utime)
     if (frames_++ == 0 &&
         (utime > track_.end_utime() || is_long_before(utime, track_.begin_utime())))
         fail_without_overlap();
-    const std::optional<std::array<double, 3>> position = track_.at(utime);
-    placed_ += position ? 1 : 0;
-    return position;
+    label.place.reset();
+    label.position = track_.at(utime);
+    placed_ += label.position ? 1 : 0;
 }
 
 void TrackJoin::finish() const

@@ -1,11 +1,10 @@
 // The ground truth of a drive's frames from its track, by time.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 
+#include "frames/labels.hpp"
 #include "frames/track.hpp"
 
 namespace vdna::frames
@@ -17,9 +16,10 @@ class TrackJoin
     // source: the frames' path, for complaints.
     TrackJoin(Track track, const std::string &source);
 
-    // The position of the next frame, if the track has one for its time. Throws Error if the first
-    // frame shows that track and frames are of different times.
-    std::optional<std::array<double, 3>> position_of_next(int64_t utime);
+    // Give the next frame the position that the track has for its time, if any, in place of all
+    // other truth. Throws Error if the first frame shows that track and frames are of different
+    // times.
+    void label_next(int64_t utime, Label &label);
 
     // At the end of the frames. Throws Error if none of them had a position.
     void finish() const;

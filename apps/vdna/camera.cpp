@@ -149,7 +149,7 @@ void add_device_options(CLI::App &command, CameraOptions &options)
     command
         .add_option("--rate", options.settings.rate_hz,
                     "frames per second of a V4L2 camera" + as_set)
-        ->check(CLI::Range(0.01, 10000.0).description(""))
+        ->check(within(0.01, 10000))
         ->type_name("HZ");
     command
         .add_option("--format", options.settings.format,

@@ -28,11 +28,17 @@ void add_threads_option(CLI::App &command, uint32_t &threads);
 // --rate, --camera, --every, --skip-bad.
 void add_source_options(CLI::App &command, frames::SourceOptions &options);
 
+// --gps, --gps-gap, --time-offset.
+void add_track_options(CLI::App &command, frames::SourceOptions &options);
+
 // --labels.
 void add_labels_option(CLI::App &command, frames::SourceOptions &options);
 
 // --range-rule; rule: VDNA_RANGE_ABOUT_...
 void add_range_rule_option(CLI::App &command, uint32_t &rule);
+
+// Like CLI::Range, but refuses "nan".
+CLI::Validator within(double lo, double hi);
 
 // The size of a picture, in pixels.
 struct PictureSize {

@@ -1,5 +1,4 @@
 // vdna simulate - renders pictures of an imaginary route, for trials without a robot.
-#include <cstdio>
 #include <memory>
 
 #include <vdna/cpp/error.hpp>
@@ -46,20 +45,6 @@ std::string condition_names()
     for (const simulate::Condition &condition : simulate::conditions())
         names += (names.empty() ? "" : ", ") + condition.name;
     return names;
-}
-
-// Like CLI::Range, but refuses "nan".
-CLI::Validator within(double lo, double hi)
-{
-    const auto check = [lo, hi](const std::string &text) -> std::string {
-        double value = 0;
-        if (CLI::detail::lexical_cast(text, value) && value >= lo && value <= hi)
-            return "";
-        char range[64];
-        std::snprintf(range, sizeof range, " is not in %g..%g", lo, hi);
-        return text + range;
-    };
-    return CLI::Validator(check, "");
 }
 
 void add_drive_options(CLI::App &command, simulate::DriveConfig &drive)

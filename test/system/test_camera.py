@@ -225,6 +225,8 @@ class NoCamera(unittest.TestCase):
             code, error = self.refusal("/dev/video99", "--size", size)
             self.assertEqual(code, 2)
             self.assertIn("expected WIDTHxHEIGHT", error)
+        for rate in ("0", "nan", "fast"):
+            self.assertEqual(self.refusal("/dev/video99", "--rate", rate)[0], 2)
 
     def test_a_stream_that_nobody_sends_is_named_without_its_password(self):
         code, error = self.refusal("http://me:secret@127.0.0.1:1/video.mjpg")

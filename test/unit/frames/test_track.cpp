@@ -324,8 +324,10 @@ std::string complaint_of(const Track &track, const std::vector<int64_t> &utimes)
 {
     try {
         TrackJoin join(track, "drive.mp4");
-        for (const int64_t utime : utimes)
-            join.position_of_next(utime);
+        for (const int64_t utime : utimes) {
+            vdna::frames::Label label;
+            join.label_next(utime, label);
+        }
         join.finish();
     } catch (const vdna::Error &e) {
         return e.what();
@@ -353,6 +355,38 @@ void frames_of_another_time_are_told_with_both_times(void **)
             .c_str());
     assert_string_equal(complaint_of(track, {INT64_MIN}).substr(0, expected.size()).c_str(),
                         expected.c_str());
+}
+
+void the_track_replaces_other_truth(void **)
+{
+    TrackJoin join(track_of({noon, noon + second_us}, second_us), "drive.mp4");
+    for (const int64_t utime : {noon, noon + 2 * second_us}) {
+        vdna::frames::Label label;
+        label.place = 5;
+        label.position = {{7, 7, 7}};
+        join.label_next(utime, label);
+        assert_false(label.place.has_value());
+        assert_int_equal(label.position.has_value(), utime == noon);
+        if (label.position)
+            assert_true((*label.position)[0] == 0);
+    }
+}
+
+void a_video_adds_when_it_was_made(void **)
+{
+    const Folder folder;
+    const std::string video = folder.write(
+        "v.mp4", std::string("\0\0\0\x18moov\0\0\0\x10mvhd\0\0\0\0\xE2\x57\xDF\x40", 24));
+    try {
+        TrackJoin join(track_of({noon}, 1), video);
+        vdna::frames::Label label;
+        join.label_next(0, label);
+    } catch (const vdna::Error &e) {
+        assert_non_null(
+            std::strstr(e.what(), " (the file says that it was made at 2024-05-01T12:00:00.000Z)"));
+        return;
+    }
+    fail_msg("a track of another time was accepted");
 }
 
 void some_frames_without_a_position_are_allowed(void **)
@@ -396,6 +430,8 @@ int main()
         cmocka_unit_test(positions_are_those_of_a_plain_computation),
         cmocka_unit_test(heights_count_only_if_every_fix_has_one),
         cmocka_unit_test(frames_of_another_time_are_told_with_both_times),
+        cmocka_unit_test(the_track_replaces_other_truth),
+        cmocka_unit_test(a_video_adds_when_it_was_made),
         cmocka_unit_test(some_frames_without_a_position_are_allowed),
         cmocka_unit_test(a_track_of_gaps_only_is_told_with_its_spacing),
     };
