@@ -83,6 +83,7 @@ class Run
         result_.warmup = settings_.warmup;
         result_.tolerance = settings_.tolerance;
         result_.unit = unit_;
+        result_.with_altitude = settings_.with_altitude;
         result_.stride = settings_.stride;
         result_.cached = frames_.cached();
         result_.computed = frames_.computed();
@@ -159,13 +160,18 @@ class Run
     void localise(QueryResult &query) const
     {
         const QueryTask task{traversals_, query, frames_.backbone().identity.dim,
-                             settings_.tolerance, unit_};
+                             settings_.tolerance, settings_.with_altitude};
         const std::vector<size_t> references = references_of(query.traversal);
         for (const size_t reference : references) {
             program::require_not_interrupted();
             query.pairs.push_back({reference, localise_query(task, {reference}), {}});
         }
         query.all = localise_query(task, references);
+        if (query.all.judged == 0)
+            throw Error(traversals_[query.traversal].name + ": none of the " +
+                        std::to_string(query.live.size()) +
+                        " frames to localise has ground truth; label some, or leave the traversal "
+                        "out of --queries");
     }
 
     // All distances of the query's warmup to its references.
@@ -279,9 +285,9 @@ std::vector<float> ground_truth_matrix(const Evaluation &evaluation, const Query
     const record::Recording &live = (*evaluation.traversals)[query.traversal].recording;
     const vdna_experience map =
         map_of((*evaluation.traversals)[reference].recording, evaluation.backbone.identity.dim);
-    return matrix(evaluation, query, reference, [&](uint32_t i, uint32_t j) {
-        return record::frames_apart(evaluation.unit, live, i, map, j);
-    });
+    const record::Truth truth(live, map, evaluation.with_altitude);
+    return matrix(evaluation, query, reference,
+                  [&](uint32_t i, uint32_t j) { return truth.apart(i, j); });
 }
 
 } // namespace vdna::eval

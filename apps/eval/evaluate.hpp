@@ -14,6 +14,7 @@ struct EvaluationSettings {
     uint32_t bins = VDNA_HIST_BINS_DEFAULT;
     std::string warmup;                  // "100" frames or "45s"
     double tolerance = 5;                // inclusive
+    bool with_altitude = false;          // distances through space instead of horizontal ones
     uint32_t stride = 1;                 // every stride-th frame after the warmup is localised
     std::vector<std::string> taps;       // none = all
     std::vector<std::string> queries;    // traversals; none = all

@@ -35,13 +35,15 @@ struct FrameMatch {
     double distance;  // of the embeddings, Euclidean
     bool good;        // taken within tolerance of the live frame
     bool reachable;   // some map frame was taken within tolerance of the live frame
+    bool judged;      // the live frame has ground truth; otherwise neither says anything
 };
 
 // The live frames of a query, localised in one map.
 struct Outcome {
     std::array<double, recall_depths.size()> recall; // percent, Recall@N for recall_depths
+    uint32_t judged = 0;                             // live frames with ground truth
     uint32_t good = 0;                               // nearest frames that are good
-    uint32_t unreachable = 0; // live frames without a map frame within tolerance: failures
+    uint32_t unreachable = 0; // judged frames without a map frame within tolerance: failures
     std::vector<FrameMatch> matches;
 };
 
@@ -78,6 +80,7 @@ struct Evaluation {
     std::string warmup; // "100" frames or "45s"
     double tolerance = 0;
     record::Unit unit = record::Unit::none; // of the tolerance
+    bool with_altitude = false;             // distances are not horizontal
     uint32_t stride = 1;                    // every stride-th frame after the warmup is localised
     uint64_t cached = 0;                    // frames with activations from the cache
     uint64_t computed = 0;                  // frames that went through the network
@@ -93,7 +96,8 @@ struct Evaluation {
 std::vector<float> difference_matrix(const Evaluation &evaluation, const QueryResult &query,
                                      size_t reference);
 
-// Distances between the places of the frames, in the unit of the tolerance, in the same layout.
+// Distances between the places of the frames, in the unit of the tolerance, in the same layout; NaN
+// where a frame has no ground truth.
 std::vector<float> ground_truth_matrix(const Evaluation &evaluation, const QueryResult &query,
                                        size_t reference);
 

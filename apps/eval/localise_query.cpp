@@ -14,6 +14,7 @@ namespace
 void append(record::Recording &to, const record::Recording &from, uint32_t i, uint32_t dim)
 {
     to.frames++;
+    to.position_frame = from.position_frame;
     if (!from.place.empty())
         to.place.push_back(from.place[i]);
     if (!from.position.empty())
@@ -47,6 +48,15 @@ size_t split(const QueryTask &task, const std::vector<size_t> &references, uint3
     throw Error("a match lies outside of its map"); // unreachable
 }
 
+// The first traversal that has no ground truth at all, or no position, to say what is missing.
+std::string without_labels(const std::vector<Traversal> &traversals)
+{
+    for (const Traversal &t : traversals)
+        if (t.recording.position.empty() && t.recording.place.empty())
+            return "; " + t.name + " has none";
+    return "";
+}
+
 } // namespace
 
 vdna_experience map_of(const record::Recording &recording, uint32_t dim)
@@ -57,6 +67,7 @@ vdna_experience map_of(const record::Recording &recording, uint32_t dim)
     map.embeddings = recording.embeddings.data();
     map.frame_place = recording.place.empty() ? nullptr : recording.place.data();
     map.frame_position = recording.position.empty() ? nullptr : recording.position.data();
+    recording.position_frame.copy(map.position_frame, sizeof map.position_frame - 1);
     return map;
 }
 
@@ -69,17 +80,17 @@ Outcome localise_query(const QueryTask &task, const std::vector<size_t> &referen
     const record::Recording recording = joined(task, references);
     const vdna_experience map = map_of(recording, task.dim);
     const record::Localisation found =
-        record::localise_in(map, live, task.tolerance, recall_depths.back());
+        record::localise_in(map, live, task.tolerance, recall_depths.back(), task.with_altitude);
 
-    Outcome outcome{{}, found.good(), found.unreachable(), {}};
+    Outcome outcome{{}, found.judged(), found.good(), found.unreachable(), {}};
     for (size_t i = 0; i < recall_depths.size(); i++)
         outcome.recall[i] = found.recall_percent(recall_depths[i]);
     for (size_t i = 0; i < found.matches.size(); i++) {
         const record::Match &match = found.matches[i];
         uint32_t frame = match.frame;
         const size_t reference = split(task, references, frame);
-        outcome.matches.push_back(
-            {task.query.live[i], reference, frame, match.distance, match.good, match.reachable});
+        outcome.matches.push_back({task.query.live[i], reference, frame, match.distance, match.good,
+                                   match.reachable, match.judged});
     }
     return outcome;
 }
@@ -90,12 +101,20 @@ record::Unit unit_of(const std::vector<Traversal> &traversals)
         return std::all_of(traversals.begin(), traversals.end(),
                            [&](const Traversal &t) { return has(t.recording); });
     };
-    if (all([](const record::Recording &r) { return !r.position.empty(); }))
+    const bool positions = all([](const record::Recording &r) { return !r.position.empty(); });
+    const std::string &frame = traversals.front().recording.position_frame;
+    const auto other = std::find_if(traversals.begin(), traversals.end(), [&](const Traversal &t) {
+        return t.recording.position_frame != frame;
+    });
+    if (positions && other == traversals.end())
         return record::Unit::metres;
     if (all([](const record::Recording &r) { return !r.place.empty(); }))
         return record::Unit::places;
-    throw Error("the traversals are not labelled alike, expected positions or place numbers in all "
-                "of them");
+    throw Error("the traversals are not labelled alike, expected positions in one frame or place "
+                "numbers in all of them" +
+                (positions ? "; " + traversals.front().name + " is in frame " + frame + ", " +
+                                 other->name + " in " + other->recording.position_frame
+                           : without_labels(traversals)));
 }
 
 } // namespace vdna::eval

@@ -12,7 +12,7 @@ struct QueryTask {
     const QueryResult &query; // its traversal and live frames
     uint32_t dim;             // of the embeddings
     double tolerance;         // inclusive
-    record::Unit unit;        // of the tolerance; all traversals have such labels
+    bool with_altitude;       // as for record::Truth
 };
 
 // In one traversal, or in several as if they were one. Throws Error.
@@ -21,7 +21,8 @@ Outcome localise_query(const QueryTask &task, const std::vector<size_t> &referen
 // A recording as a map to localise in; borrowed.
 vdna_experience map_of(const record::Recording &recording, uint32_t dim);
 
-// The kind of label that all traversals have. Throws Error if there is none.
+// The kind of label that all traversals have: positions in one frame, or place numbers. Throws
+// Error if there is none.
 record::Unit unit_of(const std::vector<Traversal> &traversals);
 
 } // namespace vdna::eval

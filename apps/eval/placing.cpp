@@ -36,6 +36,16 @@ std::vector<Place> sorted(const Evaluation &evaluation, size_t query,
 
 } // namespace
 
+bool truth_ranks(const Evaluation &evaluation, size_t query)
+{
+    const auto references = static_cast<uint32_t>(evaluation.references.size());
+    const vdna_ranking_table table = {&evaluation.recall[query * references], nullptr, 1,
+                                      references};
+    vdna_ranking_metrics metrics;
+    require(vdna_judge_ranking(&table, &metrics), "ranking");
+    return metrics.left_out == 0;
+}
+
 std::vector<Place> true_places(const Evaluation &evaluation, size_t query)
 {
     return sorted(evaluation, query, evaluation.recall, -1);
@@ -46,6 +56,8 @@ std::vector<Place> predicted_places(const Evaluation &evaluation, size_t query,
 {
     const std::vector<Place> truth = true_places(evaluation, query);
     std::vector<Place> places = sorted(evaluation, query, method.distance, 1);
+    if (!truth_ranks(evaluation, query))
+        return places;
     for (size_t rank = 0; rank < places.size(); rank++) {
         size_t true_rank = 0;
         while (truth[true_rank].reference != places[rank].reference)

@@ -12,8 +12,11 @@ namespace vdna::eval
 struct Place {
     size_t reference; // traversal
     double value;     // recall in percent, or distance
-    uint32_t off;     // ranks from the true place: the paper's colours
+    uint32_t off; // ranks from the true place: the paper's colours; 0 if the truth ranks nothing
 };
+
+// False if all references of a query have the same recall, so that every order is true.
+bool truth_ranks(const Evaluation &evaluation, size_t query);
 
 // query: index into the evaluation's queries. Ties keep the order of the references.
 std::vector<Place> true_places(const Evaluation &evaluation, size_t query);

@@ -17,6 +17,14 @@ namespace
     throw Error(path + ":" + std::to_string(line) + ": " + sentence);
 }
 
+// What other programs put between columns.
+constexpr const char *other_separators = ";\t|";
+
+std::string name_of_separator(char c)
+{
+    return c == '\t' ? "tabs" : "'" + std::string(1, c) + "'";
+}
+
 // Reads rows from text, one at a time.
 class CsvReader
 {
@@ -36,9 +44,7 @@ class CsvReader
             do
                 row.fields.push_back(field());
             while (take(','));
-            take('\r');
-            if (at_ < text_.size() && !take('\n'))
-                fail(path_, line_, "expected a comma or the end of the line after a field");
+            end_line();
             if (row.fields.size() > 1 || !row.fields[0].empty())
                 return true;
         }
@@ -53,6 +59,24 @@ class CsvReader
         line_ += wanted == '\n';
         at_++;
         return true;
+    }
+
+    void end_line()
+    {
+        const bool carriage_return = take('\r');
+        if (at_ == text_.size() || take('\n'))
+            return;
+        if (carriage_return)
+            fail(path_, line_,
+                 "the line ends in a carriage return alone, expected LF or CRLF; save "
+                 "the table with one of them");
+        const char found = text_[at_];
+        fail(path_, line_,
+             "expected a comma or the end of the line after a field" +
+                 (std::string(other_separators).find(found) == std::string::npos
+                      ? ""
+                      : ", found " + name_of_separator(found) +
+                            "; save the table with commas between the columns"));
     }
 
     std::string field()
@@ -99,25 +123,63 @@ std::string text_of(const std::filesystem::path &path)
     return text.str();
 }
 
+// Other encodings than UTF-8 that show before a column is read.
+void require_bytes(const std::string &path, const std::string &text)
+{
+    const std::string mark = text.substr(0, 2);
+    if (mark == "\xFF\xFE" || mark == "\xFE\xFF" || text.find('\0') != std::string::npos)
+        throw Error(path + ": UTF-16 or binary, expected text in UTF-8; save the table as CSV in "
+                           "UTF-8");
+}
+
+// A header of one column that holds another separator is a header of several columns.
+void require_commas(const std::string &path, const CsvRow &header)
+{
+    const size_t at = header.fields[0].find_first_of(other_separators);
+    if (header.fields.size() == 1 && at != std::string::npos)
+        fail(path, header.line,
+             "the columns are separated by " + name_of_separator(header.fields[0][at]) +
+                 ", expected commas; save the table with commas, and with points in decimal "
+                 "numbers");
+}
+
+void require_width(const std::string &path, const CsvRow &row, size_t width)
+{
+    if (row.fields.size() != width)
+        fail(path, row.line,
+             "found " + std::to_string(row.fields.size()) + " fields, expected " +
+                 std::to_string(width) + " as in the header" +
+                 (row.fields.size() > width
+                      ? "; write decimal numbers with a point, and quote names that hold a comma"
+                      : ""));
+}
+
 } // namespace
+
+std::string trimmed(const std::string &cell)
+{
+    const size_t begin = cell.find_first_not_of(" \t");
+    return begin == std::string::npos
+               ? ""
+               : cell.substr(begin, cell.find_last_not_of(" \t") - begin + 1);
+}
 
 CsvTable read_csv(const std::filesystem::path &path)
 {
     const std::string name = path.string(), text = text_of(path);
+    require_bytes(name, text);
     CsvReader reader(name, text);
     CsvTable table;
     CsvRow row;
     if (!reader.next(row))
         throw Error(name + ": empty, expected a CSV header");
+    require_commas(name, row);
     const size_t width = row.fields.size();
     for (size_t i = 0; i < width; i++)
-        if (!table.columns.emplace(row.fields[i], i).second)
-            fail(name, row.line, "two columns are called '" + row.fields[i] + "'");
+        if (!table.columns.emplace(trimmed(row.fields[i]), i).second)
+            fail(name, row.line, "two columns are called '" + trimmed(row.fields[i]) + "'");
     while (reader.next(row)) {
-        if (row.fields.size() != width)
-            fail(name, row.line,
-                 "found " + std::to_string(row.fields.size()) + " fields, expected " +
-                     std::to_string(width) + " as in the header");
+        require_width(name, row, width);
         table.rows.push_back(row);
     }
     return table;

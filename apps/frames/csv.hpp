@@ -22,7 +22,11 @@ struct CsvTable {
     std::vector<CsvRow> rows;              // without the header
 };
 
-// Throws Error with file and line.
+// Blanks around a column's name are dropped. Throws Error with file and line, and says what it is
+// if the columns are not separated by commas or the text is not UTF-8.
 CsvTable read_csv(const std::filesystem::path &path);
+
+// A cell without the blanks around it.
+std::string trimmed(const std::string &cell);
 
 } // namespace vdna::frames

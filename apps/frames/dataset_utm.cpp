@@ -1,6 +1,8 @@
 // Pictures with their position in the file name: @UTM_EAST@UTM_NORTH@ZONE@...@.jpg.
 #include <charconv>
 
+#include <vdna/identity.h>
+
 #include "frames/dataset.hpp"
 #include "frames/source.hpp"
 
@@ -49,6 +51,8 @@ Label label_of(const fs::path &file, std::string &zone)
                     " as the first picture");
     Label label;
     label.position = {{metres(file, fields[0]), metres(file, fields[1]), 0}};
+    label.position_frame = "utm-" + zone;
+    vdna_name_replace(label.position_frame.data());
     return label;
 }
 

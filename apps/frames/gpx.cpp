@@ -52,7 +52,7 @@ class GpxReader
                 for (const pugi::xml_node point : segment.children("trkpt"))
                     take(point);
         if (file_.fixes.empty())
-            throw Error(path_ + ": has " + std::to_string(file_.incomplete) +
+            throw Error(path_ + ": has " + std::to_string(file_.unplaced) +
                         " track points, none of them with a time; expected a track that was "
                         "recorded, not a planned route");
         return std::move(file_);
@@ -63,7 +63,7 @@ class GpxReader
     {
         const std::string time = trimmed(point.child_value("time"));
         if (time.empty()) {
-            file_.incomplete++;
+            file_.unplaced++;
             return;
         }
         const std::optional<int64_t> utime = utime_of_iso(time);

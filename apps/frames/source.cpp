@@ -15,9 +15,11 @@ std::optional<Labels> labels_of(const std::string &path, const SourceOptions &op
     if (!options.labelled)
         return {};
     if (!options.labels.empty())
-        return Labels(options.labels);
+        return Labels(options.labels, options.label_options);
     const fs::path own = fs::path(path) / "labels.csv";
-    return fs::exists(own) ? std::optional<Labels>(own) : std::nullopt;
+    if (!fs::exists(own))
+        return {};
+    return Labels(own, options.label_options);
 }
 
 std::optional<TrackJoin> track_of(const std::string &path, const SourceOptions &options)
@@ -47,6 +49,8 @@ bool Source::next(Frame &out_frame)
     to_skip_ = options_.every - 1;
     Frame frame;
     if (!reader_->read(frame)) {
+        if (labels_)
+            labels_->finish();
         if (track_)
             track_->finish();
         return false;

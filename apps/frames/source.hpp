@@ -24,9 +24,10 @@ struct SourceOptions {
     std::string camera = VDNA_CHANNEL_CAMERA; // channel of an LCM log
     std::string labels;                       // CSV file; "" = labels.csv of the folder, if present
     bool labelled = true;                     // false: neither labels nor track are read
-    uint64_t skip = 0;                        // frames left out at the start
-    uint64_t every = 1;                       // of the rest, keep every N-th frame, >= 1
-    bool skip_bad = false;                    // for Pass: leave out unusable frames
+    LabelOptions label_options;
+    uint64_t skip = 0;     // frames left out at the start
+    uint64_t every = 1;    // of the rest, keep every N-th frame, >= 1
+    bool skip_bad = false; // for Pass: leave out unusable frames
 
     int64_t time_offset_us = 0; // added to the times of all frames
     std::string gps;            // track whose positions are the frames' truth; "" = none

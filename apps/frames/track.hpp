@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "frames/track_file.hpp"
+
 namespace vdna::frames
 {
 
@@ -20,17 +22,22 @@ class Track
         std::array<double, 3> position; // metres, Cartesian
     };
 
-    // name: for complaints; points: at least one, in any order; of several at the same time the
-    // first counts. Points further apart than `gap_us` are not joined.
-    Track(const std::string &name, std::vector<Point> points, int64_t gap_us);
+    // name: for complaints; frame: of the positions; points: at least one, in any order; of several
+    // at the same time the first counts. Points further apart than `gap_us` are not joined.
+    Track(const std::string &name, const std::string &frame, std::vector<Point> points,
+          int64_t gap_us);
 
-    // A .gpx file, or a table; see track_file.hpp. Positions are Earth-centred. Throws Error.
+    // Fixes that nobody can have had are left out and told once. Throws Error if none is left.
+    static Track of_fixes(const std::string &name, const TrackFile &file, int64_t gap_us);
+    // A .gpx file, or a table. Throws Error.
     static Track from_file(const std::filesystem::path &path, int64_t gap_us);
 
     // The position at a time; nothing before the first point, after the last one, and in a gap.
     std::optional<std::array<double, 3>> at(int64_t utime) const;
 
     const std::string &name() const { return name_; }
+    const std::string &frame() const { return frame_; }
+    size_t size() const { return points_.size(); }
     int64_t begin_utime() const { return points_.front().utime; }
     int64_t end_utime() const { return points_.back().utime; }
     int64_t gap_us() const { return gap_us_; }
@@ -38,7 +45,7 @@ class Track
     int64_t spacing_us() const;
 
   private:
-    std::string name_;
+    std::string name_, frame_;
     std::vector<Point> points_; // by time, each time once
     int64_t gap_us_;
 };

@@ -19,7 +19,7 @@ struct Fix {
 // The fixes of a file, in its order.
 struct TrackFile {
     std::vector<Fix> fixes;
-    uint64_t incomplete = 0; // points without a time or a position, left out
+    uint64_t unplaced = 0; // points without a time or a position
 };
 
 // The track points of a .gpx file, of all tracks and segments. Throws Error.

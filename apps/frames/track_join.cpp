@@ -44,6 +44,8 @@ void TrackJoin::label_next(int64_t utime, Label &label)
         fail_without_overlap();
     label.place.reset();
     label.position = track_.at(utime);
+    label.position_frame = label.position ? track_.frame() : "";
+    label.lacks_truth = !label.position;
     placed_ += label.position ? 1 : 0;
 }
 

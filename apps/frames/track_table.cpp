@@ -79,7 +79,7 @@ class TableReader
         TrackFile file;
         for (const CsvRow &row : table_.rows) {
             if (time_text(row).empty() || row.fields[*lat_].empty() || row.fields[*lon_].empty())
-                file.incomplete++;
+                file.unplaced++;
             else
                 file.fixes.push_back(fix_of(row));
         }

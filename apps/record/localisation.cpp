@@ -12,13 +12,6 @@ namespace vdna::record
 namespace
 {
 
-double places_apart(int64_t a, int64_t b)
-{
-    // The difference of two int64 needs the unsigned type.
-    const uint64_t high = static_cast<uint64_t>(std::max(a, b));
-    return static_cast<double>(high - static_cast<uint64_t>(std::min(a, b)));
-}
-
 // The nearest frame of live frame i, not yet judged.
 Match match_of(const vdna_experience &experience, const Recording &live, uint32_t i,
                std::vector<vdna_knn_match> &nearest)
@@ -27,14 +20,30 @@ Match match_of(const vdna_experience &experience, const Recording &live, uint32_
                      experience.embeddings, experience.frames,
                      static_cast<uint32_t>(nearest.size()), nearest.data()),
             experience.name);
-    return {&experience, nearest[0].index, std::sqrt(nearest[0].distance_sq), false, false, 0};
+    return {&experience, nearest[0].index, std::sqrt(nearest[0].distance_sq), false, false, 0,
+            false};
+}
+
+// Judge a match by its nearest frames, and by all others if they are not good.
+void judge(Match &match, uint32_t i, const std::vector<vdna_knn_match> &nearest, const Truth &truth,
+           double tolerance)
+{
+    const auto is_good = [&](uint32_t j) { return truth.apart(i, j) <= tolerance; };
+    match.judged = true;
+    for (uint32_t n = 0; n < nearest.size() && match.first_good == 0; n++)
+        match.first_good = is_good(nearest[n].index) ? n + 1 : 0;
+    match.good = match.first_good == 1;
+    match.reachable = match.first_good > 0;
+    for (uint32_t j = 0; j < match.experience->frames && !match.reachable; j++)
+        match.reachable = is_good(j);
 }
 
 } // namespace
 
-const char *name_of(Unit unit)
+uint32_t Localisation::judged() const
 {
-    return unit == Unit::places ? "places" : unit == Unit::metres ? "metres" : "";
+    const auto is_judged = [](const Match &match) { return match.judged; };
+    return static_cast<uint32_t>(std::count_if(matches.begin(), matches.end(), is_judged));
 }
 
 uint32_t Localisation::good() const
@@ -45,7 +54,7 @@ uint32_t Localisation::good() const
 
 uint32_t Localisation::unreachable() const
 {
-    const auto is_lost = [](const Match &match) { return !match.reachable; };
+    const auto is_lost = [](const Match &match) { return match.judged && !match.reachable; };
     return static_cast<uint32_t>(std::count_if(matches.begin(), matches.end(), is_lost));
 }
 
@@ -55,23 +64,7 @@ double Localisation::recall_percent(uint32_t depth) const
         return match.first_good >= 1 && match.first_good <= depth;
     };
     return 100.0 * static_cast<double>(std::count_if(matches.begin(), matches.end(), is_found)) /
-           static_cast<double>(matches.size());
-}
-
-Unit common_unit(const Recording &live, const vdna_experience &experience)
-{
-    if (!live.position.empty() && experience.frame_position)
-        return Unit::metres;
-    return !live.place.empty() && experience.frame_place ? Unit::places : Unit::none;
-}
-
-double frames_apart(Unit unit, const Recording &live, size_t i, const vdna_experience &experience,
-                    size_t j)
-{
-    if (unit == Unit::places)
-        return places_apart(live.place[i], experience.frame_place[j]);
-    const double *a = &live.position[3 * i], *b = &experience.frame_position[3 * j];
-    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+           judged();
 }
 
 double embedding_distance(const float *a, const float *b, size_t dim)
@@ -85,23 +78,15 @@ double embedding_distance(const float *a, const float *b, size_t dim)
 }
 
 Localisation localise_in(const vdna_experience &experience, const Recording &live, double tolerance,
-                         uint32_t neighbours)
+                         uint32_t neighbours, bool with_altitude)
 {
-    Localisation result{experience.name, common_unit(live, experience), {}};
+    const Truth truth(live, experience, with_altitude);
+    Localisation result{experience.name, truth.unit(), truth.difference(), {}};
     std::vector<vdna_knn_match> nearest(std::min(neighbours, experience.frames));
     for (uint32_t i = 0; i < live.frames; i++) {
         Match match = match_of(experience, live, i, nearest);
-        const auto is_good = [&](uint32_t j) {
-            return frames_apart(result.unit, live, i, experience, j) <= tolerance;
-        };
-        if (result.unit != Unit::none) {
-            for (uint32_t n = 0; n < nearest.size() && match.first_good == 0; n++)
-                match.first_good = is_good(nearest[n].index) ? n + 1 : 0;
-            match.good = match.first_good == 1;
-            match.reachable = match.first_good > 0;
-            for (uint32_t j = 0; j < experience.frames && !match.reachable; j++)
-                match.reachable = is_good(j);
-        }
+        if (truth.knows(i))
+            judge(match, i, nearest, truth, tolerance);
         result.matches.push_back(match);
     }
     return result;
@@ -112,8 +97,10 @@ Localisation composite_of(const std::vector<Localisation> &parts)
     Localisation all = parts.front();
     all.experience = "all";
     for (const Localisation &part : parts) {
-        if (part.unit != all.unit)
+        if (part.unit != all.unit) {
             all.unit = Unit::none;
+            all.difference.clear();
+        }
         for (size_t i = 0; i < all.matches.size(); i++) {
             const bool reachable = all.matches[i].reachable || part.matches[i].reachable;
             if (part.matches[i].distance < all.matches[i].distance)

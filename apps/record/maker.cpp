@@ -117,6 +117,8 @@ vdna_experience Maker::experience_of(const Draft &draft) const
     e.frame_place = r.place.empty() ? nullptr : r.place.data();
     e.frame_position = r.position.empty() ? nullptr : r.position.data();
     e.frame_grey = r.grey.data();
+    r.position_frame.copy(e.position_frame, sizeof e.position_frame - 1);
+    r.order.copy(e.order, sizeof e.order - 1);
     return e;
 }
 

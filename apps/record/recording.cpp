@@ -1,5 +1,11 @@
 #include "record/recording.hpp"
 
+#include <algorithm>
+#include <limits>
+
+#include <vdna/cpp/error.hpp>
+#include <vdna/map.h>
+
 namespace vdna::record
 {
 
@@ -16,12 +22,29 @@ void Recording::add(const frames::Frame &frame, const vdna_backbone_frame &outpu
     frames++;
     index.push_back(frame.index);
     utime.push_back(frame.utime);
-    if (frame.label.place)
-        place.push_back(*frame.label.place);
-    if (frame.label.position)
-        position.insert(position.end(), frame.label.position->begin(), frame.label.position->end());
+    add(frame.label, frame.name);
     grey.push_back(output.grey);
     embeddings.insert(embeddings.end(), output.embedding, output.embedding + output.dim);
+}
+
+void Recording::add(const frames::Label &label, const std::string &name)
+{
+    // The first label shows that the frames before it had none.
+    if (label.place || !place.empty()) {
+        place.resize(frames, VDNA_PLACE_NONE);
+        place.back() = label.place.value_or(VDNA_PLACE_NONE);
+    }
+    if (label.position || !position.empty())
+        position.resize(size_t{3} * frames, std::numeric_limits<double>::quiet_NaN());
+    if (label.position) {
+        if (position_frame.empty())
+            position_frame = label.position_frame;
+        if (label.position_frame != position_frame)
+            throw Error(name + ": its position is in frame " + label.position_frame +
+                        ", expected " + position_frame + " as before");
+        std::copy(label.position->begin(), label.position->end(), position.end() - 3);
+    }
+    without_truth += label.lacks_truth;
 }
 
 } // namespace vdna::record

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "record/pass.hpp"
@@ -10,10 +11,14 @@ namespace vdna::record
 {
 
 // Per-frame tables, laid out as in an experience file. `place` and `position` stay empty if the
-// frames carry no such labels.
+// frames carry no such labels; a frame without the label that others have gets VDNA_PLACE_NONE or
+// NaNs.
 struct Recording {
     uint32_t frames = 0;
     uint64_t bad = 0;              // unusable frames
+    uint32_t without_truth = 0;    // frames without the ground truth that others have
+    std::string position_frame;    // of the positions; "" without
+    std::string order;             // what ordered the frames, as in vdna_experience
     std::vector<uint64_t> index;   // [frames], in the source
     std::vector<int64_t> utime;    // [frames], microseconds
     std::vector<int64_t> place;    // [frames]
@@ -23,8 +28,12 @@ struct Recording {
 
     // Append the current frame of `pass`.
     void add(const Pass &pass);
-    // Append a frame and its network output.
+    // Append a frame and its network output. Throws Error if its position is in another frame.
     void add(const frames::Frame &frame, const vdna_backbone_frame &output);
+
+  private:
+    // name: of the frame, for the error.
+    void add(const frames::Label &label, const std::string &name);
 };
 
 } // namespace vdna::record

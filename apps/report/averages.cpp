@@ -69,7 +69,9 @@ std::string averages_section(const eval::Evaluation &evaluation)
     std::string body;
     for (const eval::MethodResult &method : evaluation.methods)
         body += row_of(method);
+    const std::string left_out = left_out_text(evaluation.methods.front().metrics);
     return "<h2>How well each method ranks</h2>" + explanation +
+           (left_out.empty() ? "" : text_element("p", left_out)) +
            table("Ranking errors, averaged",
                  element("tr", header_cells({"Method", "Swap-once, %", "Half-L1, %", "Regret, %",
                                              "Kendall tau", "Pearson within", "Spearman within",

@@ -65,19 +65,18 @@ std::pair<double, double> scale_of(const std::vector<cv::Mat> &matrices)
 void dot_matches(const record::Localisation &localisation, double zoom, cv::Mat &picture)
 {
     const cv::Scalar blue(230, 150, 30), orange(20, 130, 255);
-    const bool labelled = localisation.unit != record::Unit::none;
     for (size_t i = 0; i < localisation.matches.size(); i++) {
         const record::Match &match = localisation.matches[i];
         const cv::Point at(static_cast<int>((match.frame + 0.5) * zoom),
                            static_cast<int>((static_cast<double>(i) + 0.5) * zoom));
         cv::circle(picture, at, std::max(2, static_cast<int>(zoom / 3)),
-                   match.good || !labelled ? blue : orange, cv::FILLED, cv::LINE_AA);
+                   match.good || !match.judged ? blue : orange, cv::FILLED, cv::LINE_AA);
     }
 }
 
 std::string title_of(const record::Localisation &localisation)
 {
-    if (localisation.unit == record::Unit::none)
+    if (localisation.judged() == 0)
         return "not labelled alike";
     char text[64];
     std::snprintf(text, sizeof text, "Recall@1 %.1f %%", localisation.recall_percent());

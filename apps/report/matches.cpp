@@ -1,5 +1,6 @@
 // Pictures of right and wrong matches.
 #include <algorithm>
+#include <cmath>
 
 #include "eval/localise_query.hpp"
 #include "eval/placing.hpp"
@@ -23,7 +24,7 @@ std::vector<eval::FrameMatch> picked(const std::vector<eval::FrameMatch> &matche
 {
     std::vector<eval::FrameMatch> all, few;
     std::copy_if(matches.begin(), matches.end(), std::back_inserter(all),
-                 [&](const eval::FrameMatch &match) { return match.good == good; });
+                 [&](const eval::FrameMatch &match) { return match.judged && match.good == good; });
     const size_t count = std::min(all.size(), matches_of_a_kind);
     for (size_t i = 0; i < count; i++)
         few.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
@@ -35,20 +36,22 @@ std::string figure(const eval::Evaluation &evaluation, const eval::QueryResult &
 {
     const eval::Traversal &live = (*evaluation.traversals)[query.traversal];
     const eval::Traversal &map = (*evaluation.traversals)[match.traversal];
-    const double apart = record::frames_apart(
-        evaluation.unit, live.recording, match.live,
-        eval::map_of(map.recording, evaluation.backbone.identity.dim), match.frame);
+    const double apart =
+        record::Truth(live.recording, eval::map_of(map.recording, evaluation.backbone.identity.dim),
+                      evaluation.with_altitude)
+            .apart(match.live, match.frame);
     const std::string frames =
         "frame " + std::to_string(match.live) + " | " + std::to_string(match.frame);
     const std::string distance =
-        program::fixed(apart, evaluation.unit == record::Unit::metres ? 1 : 0) + " " +
-        name_of(evaluation.unit);
+        std::isnan(apart) ? "no ground truth of the map frame"
+                          : program::fixed(apart, evaluation.unit == record::Unit::metres ? 1 : 0) +
+                                " " + name_of(evaluation.unit) + " apart";
     return element(
         match.good ? "figure class=\"right\"" : "figure class=\"wrong\"",
         element("div class=\"pair\"", photo(live.files[match.live], live.name + ", live") +
                                           photo(map.files[match.frame], map.name + ", map")) +
             element("figcaption", (match.good ? "\u2713 right: " : "\u2717 wrong: ") +
-                                      escaped(frames + ", " + distance + " apart") +
+                                      escaped(frames + ", " + distance) +
                                       (match.reachable ? "" : "; nothing nearer in the map")));
 }
 
@@ -93,7 +96,7 @@ std::string matches_section(const eval::Evaluation &evaluation)
         html += foldable("Query " + text_element("b", name_of(evaluation, query.traversal)) +
                              " in " + text_element("b", name_of(evaluation, pair.reference)) +
                              ": " + std::to_string(pair.outcome.good) + " of " +
-                             std::to_string(pair.outcome.matches.size()) + " right",
+                             std::to_string(pair.outcome.judged) + " right",
                          q == 0, matches_of(evaluation, query, pair));
     }
     return html;

@@ -1,5 +1,6 @@
 // Difference matrices, as in the paper's figure that motivates the choice of an experience.
 #include <algorithm>
+#include <cmath>
 
 #include "eval/localise_query.hpp"
 #include "program/interrupt.hpp"
@@ -51,8 +52,12 @@ std::string figure(const eval::Evaluation &evaluation, const eval::QueryResult &
 {
     const std::string &name = name_of(evaluation, pair.reference);
     const double far = far_tolerances * std::max(evaluation.tolerance, 1.0);
-    const Shades truth = {difference.rows, difference.columns,
-                          eval::ground_truth_matrix(evaluation, sample, pair.reference), 0, far};
+    Shades truth = {difference.rows, difference.columns,
+                    eval::ground_truth_matrix(evaluation, sample, pair.reference), 0, far};
+    // Frames without ground truth are white, like places that are not the same.
+    std::replace_if(
+        truth.values.begin(), truth.values.end(), [](float apart) { return std::isnan(apart); },
+        static_cast<float>(far));
     return element(
         "figure",
         shades_picture(difference, pixels, "difference matrix of " + name) +

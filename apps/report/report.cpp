@@ -21,6 +21,8 @@ std::string result_of(const eval::Evaluation &evaluation)
 {
     const vdna_ranking_metrics &ours = evaluation.methods.front().metrics;
     const vdna_ranking_metrics &chance = evaluation.methods.back().metrics;
+    if (ours.queries == 0)
+        return left_out_text(ours);
     return "Ranking the references by Visual DNA costs " +
            number_text(ours.ranking_error_swap_once, 2) +
            " percentage points of recall on average (the paper's ranking error; by chance " +
@@ -65,11 +67,14 @@ std::string frames_table(const eval::Evaluation &evaluation)
                       text_element("td class=\"number\"", std::to_string(recording.frames)) +
                       text_element("td class=\"number\"", std::to_string(query.warmup_frames)) +
                       text_element("td class=\"number\"", std::to_string(query.live.size())) +
+                      text_element("td class=\"number\"",
+                                   std::to_string(query.live.size() - query.all.judged)) +
                       text_element("td class=\"number\"", std::to_string(recording.bad)));
     }
     return table("Frames",
                  "<tr><th scope=\"col\">Query</th><th scope=\"col\">All</th><th scope=\"col\">"
-                 "Warmup</th><th scope=\"col\">Localised</th><th scope=\"col\">Unusable</th></tr>",
+                 "Warmup</th><th scope=\"col\">Localised</th><th scope=\"col\">Without truth</th>"
+                 "<th scope=\"col\">Unusable</th></tr>",
                  rows);
 }
 

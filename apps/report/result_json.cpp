@@ -2,16 +2,14 @@
 
 #include <cmath>
 
+#include "eval/placing.hpp"
+#include "report/wording.hpp"
+
 namespace vdna::report
 {
 
 namespace
 {
-
-const std::string &name_of(const eval::Evaluation &evaluation, size_t traversal)
-{
-    return (*evaluation.traversals)[traversal].name;
-}
 
 program::Json methods_of(const std::vector<eval::MethodResult> &methods)
 {
@@ -55,6 +53,7 @@ program::Json frames_of(const eval::Evaluation &evaluation)
         const record::Recording &recording = (*evaluation.traversals)[query.traversal].recording;
         json[name_of(evaluation, query.traversal)] = {{"frames", recording.frames},
                                                       {"bad", recording.bad},
+                                                      {"without_truth", recording.without_truth},
                                                       {"warmup", query.warmup_frames},
                                                       {"live", query.live.size()}};
     }
@@ -80,8 +79,18 @@ program::Json warmup_of(const eval::Evaluation &evaluation)
 program::Json counts_of(const eval::Outcome &outcome)
 {
     return {{"good", outcome.good},
-            {"total", outcome.matches.size()},
-            {"unreachable", outcome.unreachable}};
+            {"total", outcome.judged},
+            {"unreachable", outcome.unreachable},
+            {"without_truth", outcome.matches.size() - outcome.judged}};
+}
+
+program::Json queries_that_rank_nothing(const eval::Evaluation &evaluation)
+{
+    program::Json names = program::Json::array();
+    for (size_t q = 0; q < evaluation.queries.size(); q++)
+        if (!eval::truth_ranks(evaluation, q))
+            names.push_back(name_of(evaluation, evaluation.queries[q].traversal));
+    return names;
 }
 
 // A name as a CSV field.
@@ -99,8 +108,14 @@ std::string csv_row(const std::string &query, const std::string &reference,
                     const eval::Outcome &outcome)
 {
     return quoted(query) + "," + quoted(reference) + "," + program::Json(outcome.recall[0]).dump() +
-           "," + std::to_string(outcome.good) + "," + std::to_string(outcome.matches.size()) + "," +
+           "," + std::to_string(outcome.good) + "," + std::to_string(outcome.judged) + "," +
            std::to_string(outcome.unreachable);
+}
+
+std::string end_of_row(const eval::Outcome &outcome, const std::string &note)
+{
+    return "," + std::to_string(outcome.matches.size() - outcome.judged) + "," + quoted(note) +
+           "\n";
 }
 
 } // namespace
@@ -138,6 +153,8 @@ program::Json json_of(const eval::Evaluation &evaluation,
         {"queries", names_of_queries(evaluation)},
         {"frames", frames_of(evaluation)},
         {"methods", methods_of(evaluation.methods)},
+        {"note", left_out_text(evaluation.methods.front().metrics)},
+        {"queries_that_rank_nothing", queries_that_rank_nothing(evaluation)},
         {"recall", outcomes_of(evaluation, [](const eval::Outcome &o) { return o.recall[0]; })}};
     for (size_t i = 1; i < eval::recall_depths.size(); i++)
         json["recall_at"][std::to_string(eval::recall_depths[i])] =
@@ -160,7 +177,7 @@ std::string csv_of(const eval::Evaluation &evaluation)
     for (const eval::MethodResult &method : evaluation.methods)
         if (!method.distance.empty())
             csv += "," + quoted("distance_" + method.name);
-    csv += '\n';
+    csv += ",without_truth,note\n";
     const size_t columns = evaluation.references.size();
     for (size_t q = 0; q < evaluation.queries.size(); q++) {
         const eval::QueryResult &query = evaluation.queries[q];
@@ -174,13 +191,13 @@ std::string csv_of(const eval::Evaluation &evaluation)
             for (const eval::MethodResult &method : evaluation.methods)
                 if (!method.distance.empty())
                     csv += "," + program::Json(method.distance[cell]).dump();
-            csv += '\n';
+            csv += end_of_row(pair->outcome, "");
             ++pair;
         }
         csv += csv_row(name, "all", query.all);
         for (const eval::MethodResult &method : evaluation.methods)
             csv += method.distance.empty() ? "" : ",";
-        csv += '\n';
+        csv += end_of_row(query.all, eval::truth_ranks(evaluation, q) ? "" : ranks_nothing);
     }
     return csv;
 }

@@ -7,6 +7,7 @@
 #include "eval/placing.hpp"
 #include "program/print.hpp"
 #include "program/text_table.hpp"
+#include "report/wording.hpp"
 
 namespace vdna::report
 {
@@ -128,10 +129,23 @@ std::string unreachable_text(const eval::Evaluation &evaluation)
                         " " + std::to_string(pair.outcome.unreachable);
         if (!line.empty())
             text += "  " + (*evaluation.traversals)[query.traversal].name + ", of " +
-                    std::to_string(query.live.size()) + " in: " + line + "\n";
+                    std::to_string(query.all.judged) + " in: " + line + "\n";
     }
     return text.empty() ? ""
                         : "\nLive frames without a map frame within tolerance (failures)\n" + text;
+}
+
+// Live frames without ground truth, one line per query.
+std::string without_truth_text(const eval::Evaluation &evaluation)
+{
+    std::string text;
+    for (const eval::QueryResult &query : evaluation.queries)
+        if (query.all.judged < query.live.size())
+            text += "  " + (*evaluation.traversals)[query.traversal].name + ": " +
+                    std::to_string(query.live.size() - query.all.judged) + " of " +
+                    std::to_string(query.live.size()) + "\n";
+    return text.empty() ? ""
+                        : "\nLive frames without ground truth, left out of the recall\n" + text;
 }
 
 // Without trailing zeros.
@@ -175,7 +189,8 @@ std::string tables_of(const eval::Evaluation &evaluation, bool colour)
         for (const Block &block : blocks)
             text += (block.begin > 0 ? "\n" : "") + method_table(evaluation, block, method, colour);
     }
-    return text + unreachable_text(evaluation) + "\n" + error_table(evaluation.methods);
+    return text + unreachable_text(evaluation) + without_truth_text(evaluation) + "\n" +
+           error_table(evaluation.methods);
 }
 
 std::string error_table(const std::vector<eval::MethodResult> &methods)
@@ -195,7 +210,8 @@ std::string error_table(const std::vector<eval::MethodResult> &methods)
                                          m.pearson_pooled, m.spearman_pooled})
             table.add(number(coefficient, 3));
     }
-    return table.text();
+    const std::string left_out = methods.empty() ? "" : left_out_text(methods.front().metrics);
+    return table.text() + left_out + (left_out.empty() ? "" : "\n");
 }
 
 std::string table_of(const eval::Ablation &ablation)

@@ -29,4 +29,20 @@ std::string distance_text(double distance)
     return program::fixed(distance, std::abs(distance) < 1 ? 3 : 2);
 }
 
+const char *const ranks_nothing = "ranks nothing: all references have the same recall";
+
+std::string left_out_text(const vdna_ranking_metrics &metrics)
+{
+    if (metrics.left_out == 0)
+        return "";
+    if (metrics.queries == 0)
+        return "The truth ranks nothing: in every query all references have the same recall, so no "
+               "method can be judged.";
+    const uint32_t all = metrics.queries + metrics.left_out;
+    return std::to_string(metrics.left_out) + " of " + std::to_string(all) +
+           " queries rank nothing, because all their references have the same recall; they are "
+           "left "
+           "out of the averages.";
+}
+
 } // namespace vdna::report

@@ -18,4 +18,10 @@ std::string tolerance_text(const eval::Evaluation &evaluation);
 // Short enough to compare at a glance, long enough not to hide a difference.
 std::string distance_text(double distance);
 
+// Says which queries the metrics leave out because their truth ranks nothing; "" if there are none.
+std::string left_out_text(const vdna_ranking_metrics &metrics);
+
+// The same of one query.
+extern const char *const ranks_nothing;
+
 } // namespace vdna::report

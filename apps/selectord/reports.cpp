@@ -77,11 +77,11 @@ vdna_msg_localisation_t position_in(const vdna_experience &chosen, const vdna_kn
     message.experience = borrow(chosen.name);
     message.frame = static_cast<int32_t>(match.index);
     message.frame_utime = chosen.frame_utime[match.index];
-    if (chosen.frame_place) {
+    if (chosen.frame_place && chosen.frame_place[match.index] != VDNA_PLACE_NONE) {
         message.has_place = 1;
         message.place = chosen.frame_place[match.index];
     }
-    if (chosen.frame_position) {
+    if (chosen.frame_position && !std::isnan(chosen.frame_position[size_t{3} * match.index])) {
         message.has_position = 1;
         for (size_t axis = 0; axis < 3; axis++)
             message.position[axis] = chosen.frame_position[3 * size_t{match.index} + axis];

@@ -146,6 +146,28 @@ void require_comparable(const std::vector<Experience> &remaining,
     }
 }
 
+// Positions compare only within a frame, so one map has one.
+void require_one_frame(const std::vector<Experience> &remaining,
+                       const std::vector<record::Draft> &drafts)
+{
+    std::string frame, where;
+    const auto require_same = [&](const std::string &other, const std::string &path) {
+        if (frame.empty()) {
+            frame = other;
+            where = path;
+        }
+        if (!other.empty() && other != frame)
+            throw Error(path + ": not labelled alike: its positions are in frame " + other +
+                        ", those of " + where + " in " + frame +
+                        "; give both lat,lon or both x,y, name their frame with --frame, or leave "
+                        "the positions out");
+    };
+    for (const Experience &there : remaining)
+        require_same(there->position_frame, there.path().string());
+    for (const record::Draft &draft : drafts)
+        require_same(draft.recording.position_frame, draft.source);
+}
+
 void write(const std::vector<record::Draft> &drafts, const record::Maker &maker,
            record::MapChange &change)
 {
@@ -169,6 +191,8 @@ void report(const BuildOptions &options, const std::vector<record::Draft> &draft
                   << " % beyond the ranges";
         if (draft.recording.bad > 0)
             std::cout << ", " << draft.recording.bad << " bad frames left out";
+        if (draft.recording.without_truth > 0)
+            std::cout << ", " << draft.recording.without_truth << " without ground truth";
         std::cout << '\n';
     }
 }
@@ -185,6 +209,7 @@ void report_json(const BuildOptions &options, const std::vector<record::Draft> &
                                {"source", draft.source},
                                {"frames", draft.recording.frames},
                                {"bad_frames", draft.recording.bad},
+                               {"frames_without_truth", draft.recording.without_truth},
                                {"neurons", blank.identity.neurons},
                                {"bins", maker.bins()},
                                {"bytes", fs::file_size(file)},
@@ -206,6 +231,7 @@ void build(const BuildOptions &options)
     find_ranges(options, remaining, backbone, maker);
     require_comparable(remaining, drafts, maker);
     maker.make(drafts, options.range_rule);
+    require_one_frame(remaining, drafts);
     write(drafts, maker, change);
     options.json ? report_json(options, drafts, maker) : report(options, drafts, maker);
 }
@@ -251,7 +277,11 @@ void add_build(CLI::App &app)
                     "Examples:\n"
                     "  vdna build park winter/ summer/\n"
                     "  vdna build park --labels positions.csv --name autumn drive-7.mp4");
-    command->callback([options] { build(*options); });
+    command->callback([options] {
+        options->source.label_options.of_several =
+            options->sources.size() > 1 && !options->source.labels.empty();
+        build(*options);
+    });
 }
 
 } // namespace vdna::tool

@@ -32,6 +32,7 @@ struct EvalOptions {
     std::vector<std::string> warmup;
     std::vector<uint32_t> bins;
     std::optional<double> tolerance;
+    bool with_altitude = false;
     std::optional<uint32_t> stride;
     uint32_t range_rule = VDNA_RANGE_ABOUT_MIDPOINT;
     std::vector<std::string> ablate;
@@ -98,6 +99,7 @@ eval::EvaluationSettings settings_of(const EvalOptions &o, const frames::Dataset
     settings.bins = o.bins.size() == 1 ? o.bins[0] : VDNA_HIST_BINS_DEFAULT;
     settings.warmup = o.warmup.size() == 1 ? o.warmup[0] : frames::usual_warmup(dataset);
     settings.tolerance = o.tolerance.value_or(dataset.tolerance);
+    settings.with_altitude = o.with_altitude;
     settings.stride = o.stride.value_or(dataset.stride);
     settings.taps = o.taps;
     settings.queries = o.queries;
@@ -208,6 +210,7 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
                     "a match is good within T places or metres (default: the data set's, else 5)")
         ->check(CLI::Validator(CLI::NonNegativeNumber).description(""))
         ->type_name("T");
+    add_altitude_option(command, o.with_altitude);
     command
         .add_option("--stride", o.stride,
                     "localise every S-th frame after the warmup (default: 1, Nordland 5)")

@@ -1,12 +1,17 @@
 // vdna info - shows the contents of experience files and maps.
 #include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
 #include <numeric>
 
 #include <vdna/cpp/error.hpp>
 
+#include "program/notice.hpp"
 #include "program/print.hpp"
 #include "record/experiences.hpp"
 #include "vdna/commands.hpp"
+#include "vdna/position_json.hpp"
 
 namespace vdna::tool
 {
@@ -19,26 +24,60 @@ struct InfoOptions {
     bool json = false;
 };
 
-// Minimum and maximum of `count` numbers, `stride` apart.
+// Minimum and maximum of `count` numbers.
 template <typename Number>
-program::Json bounds_of(const Number *values, size_t count, size_t stride = 1)
+program::Json bounds_of(const Number *values, size_t count)
 {
-    Number lo = values[0], hi = values[0];
-    for (size_t i = 0; i < count; i++) {
-        lo = std::min(lo, values[i * stride]);
-        hi = std::max(hi, values[i * stride]);
-    }
-    return {lo, hi};
+    const auto [lo, hi] = std::minmax_element(values, values + count);
+    return {*lo, *hi};
+}
+
+// Which frames have no place, or no position if there are positions.
+bool lacks_truth(const vdna_experience &e, size_t frame)
+{
+    if (e.frame_position)
+        return std::isnan(e.frame_position[3 * frame]);
+    return e.frame_place && e.frame_place[frame] == VDNA_PLACE_NONE;
+}
+
+uint32_t frames_without_truth(const vdna_experience &e)
+{
+    uint32_t count = 0;
+    for (size_t i = 0; i < e.frames; i++)
+        count += lacks_truth(e, i);
+    return count;
+}
+
+// {"lat": [min, max], ...} or {"x": ...}, of the frames that have a position.
+void add_positions(const vdna_experience &e, program::Json &labels)
+{
+    std::array<std::vector<double>, 3> numbers;
+    for (size_t i = 0; i < e.frames; i++)
+        if (!std::isnan(e.frame_position[3 * i])) {
+            const std::array<double, 3> one =
+                as_it_came(e.frame_position + 3 * i, e.position_frame);
+            for (size_t axis = 0; axis < 3; axis++)
+                numbers[axis].push_back(one[axis]);
+        }
+    labels["position_frame"] = e.position_frame;
+    for (size_t axis = 0; axis < 3 && !numbers[0].empty(); axis++)
+        labels[axes_of(e.position_frame)[axis]] =
+            bounds_of(numbers[axis].data(), numbers[axis].size());
 }
 
 program::Json labels_of(const vdna_experience &e)
 {
     program::Json labels = program::Json::object();
-    if (e.frame_place)
-        labels["place"] = bounds_of(e.frame_place, e.frames);
+    std::vector<int64_t> places;
+    for (size_t i = 0; e.frame_place && i < e.frames; i++)
+        if (e.frame_place[i] != VDNA_PLACE_NONE)
+            places.push_back(e.frame_place[i]);
+    if (!places.empty())
+        labels["place"] = bounds_of(places.data(), places.size());
     if (e.frame_position)
-        for (size_t axis = 0; axis < 3; axis++)
-            labels["position_m"].push_back(bounds_of(e.frame_position + axis, e.frames, 3));
+        add_positions(e, labels);
+    if (const uint32_t without = frames_without_truth(e); without > 0)
+        labels["frames_without_truth"] = without;
     return labels;
 }
 
@@ -50,6 +89,7 @@ program::Json json_of(const Experience &file)
             {"experience", e.name},
             {"bytes", e.file_size},
             {"frames", e.frames},
+            {"order", e.order},
             {"utime", bounds_of(e.frame_utime, e.frames)},
             {"labels", labels_of(e)},
             {"mean_grey", grey},
@@ -73,21 +113,45 @@ void print_text(const program::Json &json)
     }
 }
 
-// Why these experiences do not compare; "" if they do.
+// Why these experiences are no map: they do not compare, or one name is there twice; "" if they
+// are.
 std::string mismatch_of(const std::vector<Experience> &files)
 {
+    std::map<std::string, std::string> names;
     for (const Experience &file : files) {
+        const std::string path = file.path().string();
         vdna_error error{};
         if (vdna_experience_compare(files.front().get(), file.get(), &error) != VDNA_OK)
-            return file.path().string() + ": does not compare with " +
-                   files.front().path().string() + ": " + error.text;
+            return path + ": does not compare with " + files.front().path().string() + ": " +
+                   error.text + "; rebuild it with `vdna build --force`";
+        const auto [first, is_new] = names.try_emplace(file->name, path);
+        if (!is_new)
+            return path + ": is called " + file->name + " like " + first->second +
+                   ", expected another name; remove one of them, or rebuild it with --name";
+    }
+    return "";
+}
+
+// Why ground truth of these experiences does not compare, although they do; "" if it does.
+std::string warning_of(const std::vector<Experience> &files)
+{
+    const Experience *first = nullptr;
+    for (const Experience &file : files) {
+        if (!file->frame_position)
+            continue;
+        if (!first)
+            first = &file;
+        if (std::strcmp(file->position_frame, (*first)->position_frame) != 0)
+            return file.path().string() + ": not labelled alike: positions in frame " +
+                   file->position_frame + ", those of " + first->path().string() + " in " +
+                   (*first)->position_frame;
     }
     return "";
 }
 
 void info(const InfoOptions &options)
 {
-    std::vector<std::string> mismatches;
+    std::vector<std::string> mismatches, warnings;
     program::Json experiences = program::Json::array();
     for (const std::string &path : options.paths) {
         const std::vector<Experience> files = record::open_experiences({path});
@@ -96,14 +160,20 @@ void info(const InfoOptions &options)
         const std::string mismatch = mismatch_of(files);
         if (!mismatch.empty())
             mismatches.push_back(mismatch);
+        const std::string warning = warning_of(files);
+        if (!warning.empty())
+            warnings.push_back(warning);
     }
     if (options.json)
-        program::print_json({{"experiences", experiences}, {"mismatches", mismatches}});
+        program::print_json(
+            {{"experiences", experiences}, {"mismatches", mismatches}, {"warnings", warnings}});
     else
         for (const program::Json &experience : experiences)
             print_text(experience);
+    for (const std::string &warning : warnings)
+        program::tell_once(warning);
     if (!mismatches.empty())
-        throw Error(mismatches.front() + "; rebuild it with `vdna build --force`");
+        throw Error(mismatches.front());
 }
 
 } // namespace

@@ -10,6 +10,7 @@
 #include "report/difference_matrix.hpp"
 #include "vdna/commands.hpp"
 #include "vdna/options.hpp"
+#include "vdna/position_json.hpp"
 
 namespace vdna::tool
 {
@@ -24,6 +25,7 @@ struct LocaliseOptions {
     frames::SourceOptions source;
     std::vector<std::string> in;
     double tolerance = 5;
+    bool with_altitude = false;
     std::string matrix;
     bool matches = false;
     bool json = false;
@@ -59,8 +61,9 @@ std::vector<const vdna_experience *> picked_from(const Map &map,
 void report_line(const record::Localisation &l, int width)
 {
     std::cout << std::left << std::setw(width) << l.experience << std::right;
-    if (l.unit == record::Unit::none)
-        std::cout << "         -         -            -  not labelled alike\n";
+    if (l.judged() == 0)
+        std::cout << "         -         -            -  not labelled alike"
+                  << (l.difference.empty() ? "" : ": " + l.difference) << '\n';
     else
         std::cout << std::setw(10) << program::fixed(l.recall_percent(), 2) << std::setw(10)
                   << l.good() << std::setw(13) << l.unreachable() << '\n';
@@ -75,8 +78,12 @@ void report(const LocaliseOptions &options, const record::Recording &live,
     std::cout << options.live << ": " << live.frames << " frames";
     if (live.bad > 0)
         std::cout << ", " << live.bad << " bad ones left out";
-    if (results.front().unit != record::Unit::none)
-        std::cout << ", tolerance " << options.tolerance << ' ' << name_of(results.front().unit);
+    const record::Localisation &first = results.front();
+    if (const size_t unknown = live.frames - first.judged(); first.judged() > 0 && unknown > 0)
+        std::cout << ", " << unknown << " without ground truth left out of the recall";
+    if (first.judged() > 0)
+        std::cout << ", tolerance " << options.tolerance << ' ' << name_of(first.unit)
+                  << (options.with_altitude ? " with altitude" : "");
     std::cout << '\n'
               << std::left << std::setw(static_cast<int>(width)) << "experience" << std::right
               << "  recall/%      good  unreachable\n";
@@ -86,30 +93,49 @@ void report(const LocaliseOptions &options, const record::Recording &live,
         report_line(record::composite_of(results), static_cast<int>(width));
 }
 
+// The label of the map frame of a match: its place, and its position as it came.
+void add_label(const vdna_experience &e, uint32_t frame, program::Json &json)
+{
+    if (e.frame_place && e.frame_place[frame] != VDNA_PLACE_NONE)
+        json["place"] = e.frame_place[frame];
+    if (e.frame_position && !std::isnan(e.frame_position[size_t{3} * frame]))
+        json["position"] = position_json(e.frame_position + size_t{3} * frame, e.position_frame);
+}
+
+program::Json match_json(const record::Match &match, const record::Recording &live, size_t i)
+{
+    const auto judged = [&](bool value) {
+        return match.judged ? program::Json(value) : program::Json();
+    };
+    program::Json json = {{"live_frame", live.index[i]},
+                          {"utime", live.utime[i]},
+                          {"experience", match.experience->name},
+                          {"frame", match.frame},
+                          {"frame_utime", match.experience->frame_utime[match.frame]},
+                          {"distance", match.distance},
+                          {"good", judged(match.good)}};
+    add_label(*match.experience, match.frame, json);
+    return json;
+}
+
 program::Json json_of(const record::Localisation &l, const record::Recording &live,
                       bool with_matches)
 {
-    const bool labelled = l.unit != record::Unit::none;
+    const bool labelled = l.judged() > 0;
     program::Json json = {
         {"experience", l.experience},
         {"unit", labelled ? program::Json(name_of(l.unit)) : program::Json()},
         {"recall_percent", labelled ? program::Json(l.recall_percent()) : program::Json()},
         {"good", labelled ? program::Json(l.good()) : program::Json()},
-        {"unreachable", labelled ? program::Json(l.unreachable()) : program::Json()}};
+        {"unreachable", labelled ? program::Json(l.unreachable()) : program::Json()},
+        {"judged", l.judged()},
+        {"not_labelled_alike",
+         l.difference.empty() ? program::Json() : program::Json(l.difference)}};
     if (!with_matches)
         return json;
     json["matches"] = program::Json::array();
-    for (size_t i = 0; i < l.matches.size(); i++) {
-        const record::Match &match = l.matches[i];
-        json["matches"].push_back(
-            {{"live_frame", live.index[i]},
-             {"utime", live.utime[i]},
-             {"experience", match.experience->name},
-             {"frame", match.frame},
-             {"frame_utime", match.experience->frame_utime[match.frame]},
-             {"distance", match.distance},
-             {"good", labelled ? program::Json(match.good) : program::Json()}});
-    }
+    for (size_t i = 0; i < l.matches.size(); i++)
+        json["matches"].push_back(match_json(l.matches[i], live, i));
     return json;
 }
 
@@ -122,7 +148,9 @@ void report_json(const LocaliseOptions &options, const record::Recording &live,
     program::print_json({{"live", options.live},
                          {"frames", live.frames},
                          {"bad_frames", live.bad},
+                         {"frames_without_truth", live.without_truth},
                          {"tolerance", options.tolerance},
+                         {"with_altitude", options.with_altitude},
                          {"candidates", candidates},
                          {"all", json_of(record::composite_of(results), live, options.matches)}});
 }
@@ -134,7 +162,8 @@ void localise(const LocaliseOptions &options)
     const record::Recording live = record(options, map);
     std::vector<record::Localisation> results;
     for (const vdna_experience *experience : picked)
-        results.push_back(record::localise_in(*experience, live, options.tolerance));
+        results.push_back(
+            record::localise_in(*experience, live, options.tolerance, 1, options.with_altitude));
     if (!options.matrix.empty())
         report::draw_difference_matrices(live, picked, results, options.matrix);
     options.json ? report_json(options, live, results) : report(options, live, results);
@@ -176,6 +205,7 @@ void add_localise(CLI::App &app)
     add_source_options(*command, options->source);
     add_labels_option(*command, options->source);
     add_track_options(*command, options->source);
+    add_altitude_option(*command, options->with_altitude);
     command->add_flag("--matches", options->matches, "with --json: list the match of every frame");
     command->add_flag("--json", options->json, "report as JSON");
     command->footer("Examples:\n"

@@ -78,9 +78,25 @@ void add_labels_option(CLI::App &command, frames::SourceOptions &options)
     command
         .add_option("--labels", options.labels,
                     "table with the columns file or frame, and place, or x,y[,z] in metres, or "
-                    "lat,lon[,alt] in degrees, and utime in microseconds if known (default: "
-                    "SOURCE/labels.csv if it exists)")
+                    "lat,lon[,alt] in degrees, and utime in microseconds if known; empty cells: no "
+                    "ground truth (default: SOURCE/labels.csv if it exists)")
         ->type_name("CSV");
+    command
+        .add_option("--frame", options.label_options.local_frame,
+                    "name of the local frame of x,y[,z]: positions compare only within a frame "
+                    "(default: column position_frame of the table, else local)")
+        ->check([](const std::string &name) {
+            vdna_error why{};
+            return vdna_name_check(name.c_str(), &why) == VDNA_OK ? ""
+                                                                  : "it " + std::string(why.text);
+        })
+        ->type_name("NAME");
+}
+
+void add_altitude_option(CLI::App &command, bool &with_altitude)
+{
+    command.add_flag("--with-altitude", with_altitude,
+                     "tolerances in metres also count altitude (default: horizontal distances)");
 }
 
 void add_track_options(CLI::App &command, frames::SourceOptions &options)

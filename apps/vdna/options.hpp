@@ -31,8 +31,11 @@ void add_source_options(CLI::App &command, frames::SourceOptions &options);
 // --gps, --gps-gap, --time-offset.
 void add_track_options(CLI::App &command, frames::SourceOptions &options);
 
-// --labels.
+// --labels, --frame.
 void add_labels_option(CLI::App &command, frames::SourceOptions &options);
+
+// --with-altitude.
+void add_altitude_option(CLI::App &command, bool &with_altitude);
 
 // --range-rule; rule: VDNA_RANGE_ABOUT_...
 void add_range_rule_option(CLI::App &command, uint32_t &rule);

@@ -38,6 +38,7 @@ struct Ranking {
     uint32_t frames = 0;            // of the query
     uint64_t restarts = 0;          // of the warmup, after camera time ran backwards
     uint64_t bad = 0;               // unusable frames
+    uint64_t without_truth = 0;     // frames without the ground truth that others have
     std::vector<std::string> names; // [candidates]
     std::vector<vdna_rank_entry> entries;
     std::vector<Tap> taps;                          // empty unless requested
@@ -133,16 +134,18 @@ Ranking rank_live(const RankOptions &options)
     map.require_backbone(backbone.info());
 
     record::Pass pass(source, options.source, backbone);
+    Ranking ranking;
     bool complete = false;
-    while (!complete && pass.next())
+    while (!complete && pass.next()) {
         complete = feed(selector, pass);
+        ranking.without_truth += pass.frame().label.lacks_truth;
+    }
     if (!complete)
         throw Error(source + ": ends after " +
                     std::to_string(vdna_select_window_frames(selector.get())) +
                     " frames of the warmup, expected " + options.warmup +
                     (options.warmup.back() == 's' ? " and a frame after it" : " frames") +
                     "; set a shorter --warmup");
-    Ranking ranking;
     ranking.query = source;
     ranking.frames = vdna_select_window_frames(selector.get());
     ranking.restarts = vdna_select_restarts(selector.get());
@@ -174,8 +177,10 @@ void report(const Ranking &ranking)
         std::cout << "  " << std::setw(14) << text;
     };
 
-    std::cout << ranking.query << ": " << ranking.frames << " frames\n"
-              << "rank  " << std::left << std::setw(static_cast<int>(width)) << "experience"
+    std::cout << ranking.query << ": " << ranking.frames << " frames";
+    if (ranking.without_truth > 0)
+        std::cout << ", " << ranking.without_truth << " without ground truth";
+    std::cout << "\nrank  " << std::left << std::setw(static_cast<int>(width)) << "experience"
               << std::right;
     column("distance/bins");
     for (const Tap &tap : ranking.taps)
@@ -210,6 +215,7 @@ void report_json(const Ranking &ranking)
     program::print_json({{"query", ranking.query},
                          {"frames", ranking.frames},
                          {"bad_frames", ranking.bad},
+                         {"frames_without_truth", ranking.without_truth},
                          {"restarts", ranking.restarts},
                          {"margin_bins", margin_of(ranking)},
                          {"ranking", entries}});

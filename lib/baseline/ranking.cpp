@@ -40,6 +40,14 @@ std::vector<Query> queries_of(const vdna_ranking_table &table)
     return queries;
 }
 
+// Whether the recalls tell a better reference from a worse one. Recalls are quotients of counts, so
+// those that differ do so by far more than rounding.
+bool ranks(const Query &query)
+{
+    const auto [least, most] = std::minmax_element(query.recall.begin(), query.recall.end());
+    return *most - *least > 1e-9;
+}
+
 bool all_finite(const Numbers &values)
 {
     return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
@@ -113,8 +121,8 @@ double spread(const Query &query)
 // with 1/(K(K-1)).
 double random_swap_once(const Query &query)
 {
-    const double k = double(query.size());
-    return k < 2 ? 0 : spread(query) * (2 / k - 1 / (k * (k - 1)));
+    const double k = double(query.size()); // >= 2, because it ranks
+    return spread(query) * (2 / k - 1 / (k * (k - 1)));
 }
 
 // At each rank every candidate is as likely: each unordered pair occurs twice among K^2.
@@ -224,6 +232,12 @@ Query pooled(const std::vector<Query> &queries)
     return all;
 }
 
+vdna_ranking_metrics nothing_to_judge()
+{
+    return {undefined, undefined, undefined, undefined, undefined,
+            undefined, undefined, undefined, 0,         0};
+}
+
 vdna_ranking_metrics judge_random(const std::vector<Query> &queries)
 {
     vdna_ranking_metrics m{};
@@ -258,13 +272,20 @@ vdna_status vdna_judge_ranking(const vdna_ranking_table *table, vdna_ranking_met
 try {
     if (!table || !table->recall || table->queries == 0 || table->references == 0 || !out_metrics)
         return VDNA_ERR_ARG;
-    const std::vector<Query> queries = queries_of(*table);
+    std::vector<Query> queries = queries_of(*table);
     if (queries.empty())
         return VDNA_ERR_EMPTY;
     for (const Query &query : queries)
         if (!all_finite(query.recall) || !all_finite(query.distance))
             return VDNA_ERR_NONFINITE;
-    *out_metrics = table->distance ? judge(queries) : judge_random(queries);
+    const auto end = std::stable_partition(queries.begin(), queries.end(), ranks);
+    const auto left_out = static_cast<uint32_t>(queries.end() - end);
+    queries.erase(end, queries.end());
+    *out_metrics = queries.empty()   ? nothing_to_judge()
+                   : table->distance ? judge(queries)
+                                     : judge_random(queries);
+    out_metrics->queries = static_cast<uint32_t>(queries.size());
+    out_metrics->left_out = left_out;
     return VDNA_OK;
 } catch (const std::bad_alloc &) {
     return VDNA_ERR_NOMEM;

@@ -1,5 +1,6 @@
 #include "layout.h"
 
+#include <math.h>
 #include <string.h>
 
 void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDNA_FIELD_COUNT])
@@ -16,6 +17,16 @@ void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDN
         {"frame_grey", "F32", 4, 0, e->frames, 0, e->frame_grey},
     };
     memcpy(out_fields, fields, sizeof fields);
+}
+
+unsigned vdna_layout_version(const vdna_experience *experience)
+{
+    const vdna_experience *e = experience;
+    for (size_t f = 0; f < e->frames; f++)
+        if ((e->frame_place && e->frame_place[f] == VDNA_PLACE_NONE) ||
+            (e->frame_position && isnan(e->frame_position[3 * f])))
+            return 2;
+    return 1;
 }
 
 uint64_t vdna_layout_elements(const vdna_field *field)

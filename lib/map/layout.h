@@ -30,6 +30,10 @@ typedef struct vdna_field {
     const void *data; /* NULL = absent */
 } vdna_field;
 
+/* The oldest version of the format that allows all of `experience`: 2 if a frame lacks the ground
+ * truth that others have. */
+unsigned vdna_layout_version(const vdna_experience *experience);
+
 /* Describe the tensors of `experience`: shapes from its sizes, data from its pointers. */
 void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDNA_FIELD_COUNT]);
 

@@ -6,6 +6,7 @@
 
 #include "crc32c.h"
 #include "layout.h"
+#include "position_frame.h"
 #include "rules.h"
 
 static vdna_status check_version(const vdna_header *header, vdna_error *reason)
@@ -20,7 +21,7 @@ static vdna_status check_version(const vdna_header *header, vdna_error *reason)
         return vdna_fail(reason, VDNA_ERR_FORMAT,
                          "format_version is not a whole number from 1, expected %u",
                          VDNA_MAP_FORMAT);
-    if (strcmp(version, "1") != 0)
+    if (strlen(version) > 1 || (unsigned)(*version - '0') > VDNA_MAP_FORMAT)
         return vdna_fail(reason, VDNA_ERR_UNSUPPORTED,
                          "format version %.20s is newer than this program, which reads %u", version,
                          VDNA_MAP_FORMAT);
@@ -103,6 +104,14 @@ static vdna_status read_precision(const vdna_header *header, vdna_error *reason,
     return VDNA_OK;
 }
 
+/* Read a text that is "" in files without it. */
+static vdna_status read_optional(const vdna_header *header, const char *key, char *out,
+                                 size_t capacity, vdna_error *reason)
+{
+    out[0] = '\0';
+    return vdna_header_text(header, key) ? read_text(header, key, out, capacity, reason) : VDNA_OK;
+}
+
 static vdna_status read_texts(const vdna_header *header, vdna_error *reason, vdna_experience *e)
 {
     const struct {
@@ -123,7 +132,13 @@ static vdna_status read_texts(const vdna_header *header, vdna_error *reason, vdn
         if (status != VDNA_OK)
             return status;
     }
-    return read_precision(header, reason, e);
+    vdna_status status = read_precision(header, reason, e);
+    if (status == VDNA_OK)
+        status = read_optional(header, "position_frame", e->position_frame,
+                               sizeof e->position_frame, reason);
+    if (status == VDNA_OK)
+        status = read_optional(header, "order", e->order, sizeof e->order, reason);
+    return status;
 }
 
 /* Take two of the experience's sizes from a tensor that has both. */
@@ -219,6 +234,8 @@ vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reaso
 
     if (vdna_rules_check(&e, reason) != VDNA_OK)
         return VDNA_ERR_FORMAT;
+    const char *const frame = vdna_position_frame_of(&e); /* perhaps its own */
+    memmove(e.position_frame, frame, strlen(frame) + 1);
     status = check_comparable(&e, reason);
     if (status == VDNA_OK)
         *out_experience = e;

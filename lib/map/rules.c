@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "layout.h"
+#include "position_frame.h"
 
 /* Neurons whose counts are added up at a time: their sums take 8 kB of stack. */
 #define SUM_BLOCK 1024u
@@ -122,17 +123,68 @@ static vdna_status check_numbers(const vdna_experience *e, vdna_error *reason)
                              "the grey level of frame %zu is %g, expected 0 to 255", f,
                              (double)e->frame_grey[f]);
     }
-    for (size_t i = 0; e->frame_position && i < 3 * (size_t)e->frames; i++)
-        if (!isfinite(e->frame_position[i]))
+    return VDNA_OK;
+}
+
+static vdna_status check_order(const vdna_experience *e, vdna_error *reason)
+{
+    vdna_error why;
+    if (!memchr(e->order, '\0', sizeof e->order))
+        return vdna_fail(reason, VDNA_ERR_ARG, "order is longer than %u bytes",
+                         VDNA_ORDER_SIZE - 1);
+    if (e->order[0] != '\0' && vdna_name_check(e->order, &why) != VDNA_OK)
+        return vdna_fail(reason, VDNA_ERR_ARG, "order %s", why.text);
+    return VDNA_OK;
+}
+
+static vdna_status check_position_frame(const vdna_experience *e, vdna_error *reason)
+{
+    vdna_error why;
+    const char *const frame = vdna_position_frame_of(e);
+    if (e->frame_position && vdna_name_check(frame, &why) != VDNA_OK)
+        return vdna_fail(reason, VDNA_ERR_ARG, "position_frame %s", why.text);
+    return VDNA_OK;
+}
+
+/* Check one position, which is there. */
+static vdna_status check_position(const double *position, size_t f, int is_global,
+                                  vdna_error *reason)
+{
+    for (size_t axis = 0; axis < 3; axis++)
+        if (!isfinite(position[axis]))
             return vdna_fail(reason, VDNA_ERR_NONFINITE,
-                             "the position of frame %zu has a NaN or an infinity", i / 3);
+                             "the position of frame %zu has a NaN or an infinity, expected three"
+                             " NaNs if it has none",
+                             f);
+    if (is_global && !vdna_position_is_on_globe(position))
+        return vdna_fail(reason, VDNA_ERR_ARG,
+                         "the position of frame %zu is not 6.3e6 to 6.5e6 m from the Earth's"
+                         " centre, expected Earth-centred metres in position_frame wgs84",
+                         f);
+    return VDNA_OK;
+}
+
+static vdna_status check_positions(const vdna_experience *e, vdna_error *reason)
+{
+    if (!e->frame_position)
+        return VDNA_OK;
+    const int is_global = strcmp(vdna_position_frame_of(e), VDNA_FRAME_WGS84) == 0;
+    for (size_t f = 0; f < e->frames; f++) {
+        const double *const p = e->frame_position + 3 * f;
+        if (isnan(p[0]) && isnan(p[1]) && isnan(p[2]))
+            continue;
+        const vdna_status status = check_position(p, f, is_global, reason);
+        if (status != VDNA_OK)
+            return status;
+    }
     return VDNA_OK;
 }
 
 vdna_status vdna_rules_check(const vdna_experience *experience, vdna_error *reason)
 {
     static vdna_status (*const checks[])(const vdna_experience *, vdna_error *) = {
-        check_name, check_shape, check_identity, check_mass, check_counts, check_numbers};
+        check_name,    check_shape, check_identity,       check_mass,     check_counts,
+        check_numbers, check_order, check_position_frame, check_positions};
     for (size_t c = 0; c < sizeof checks / sizeof *checks; c++) {
         const vdna_status status = checks[c](experience, reason);
         if (status != VDNA_OK)

@@ -10,9 +10,10 @@
 #include "crc32c.h"
 #include "journal.h"
 #include "layout.h"
+#include "position_frame.h"
 #include "rules.h"
 
-/* Room for taps, preprocessing and five short texts with every byte escaped, plus about 100 bytes
+/* Room for taps, preprocessing and seven short texts with every byte escaped, plus about 100 bytes
  * per tensor.
  */
 #define HEADER_SIZE 12288u
@@ -74,7 +75,11 @@ static void append_metadata(header_text *text, const vdna_experience *e)
         append_text(text, "precision", precision);
     append_text(text, "taps", e->identity.taps);
     append_text(text, "comparable", comparable);
-    append(text, "\"format_version\":\"%u\"},", VDNA_MAP_FORMAT);
+    if (e->frame_position)
+        append_text(text, "position_frame", vdna_position_frame_of(e));
+    if (e->order[0] != '\0')
+        append_text(text, "order", e->order);
+    append(text, "\"format_version\":\"%u\"},", vdna_layout_version(e));
 }
 
 static void make_header(const vdna_experience *e, const vdna_field fields[VDNA_FIELD_COUNT],

@@ -43,9 +43,10 @@ static void print_doubles(const char *name, const double *numbers, size_t count)
 static void print(const vdna_experience *e)
 {
     const size_t neurons = e->identity.neurons, frames = e->frames;
-    printf("name %s\nbackbone %s\nmodel_sha256 %s\npreprocessing %s\ntaps %s\ncomparable %s\n",
+    printf("name %s\nbackbone %s\nmodel_sha256 %s\npreprocessing %s\ntaps %s\ncomparable %s\n"
+           "position_frame %s\norder %s\n",
            e->name, e->identity.backbone, e->identity.model_sha256, e->identity.preprocessing,
-           e->identity.taps, e->comparable);
+           e->identity.taps, e->comparable, e->position_frame, e->order);
     print_unsigned("counts", e->counts, e->identity.bins * neurons);
     print_unsigned("mass", e->mass, neurons);
     print_floats("range", e->identity.range, 2 * neurons);

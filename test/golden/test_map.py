@@ -33,6 +33,8 @@ SAMPLE_METADATA = {
     "model_sha256": SHA256,
     "preprocessing": 'rgb 8x8 "area" mean=0 std=1 \\',
     "taps": "mid:2:4,top:1:1",
+    "position_frame": "local",
+    "order": "utime",
 }
 SAMPLE = {
     "frame_utime": np.array([1000000, 1033333], np.int64),
@@ -132,7 +134,7 @@ class Experience(unittest.TestCase):
         }
         metadata = dict(SAMPLE_METADATA, acme_note='Příliš žluťoučký\n"kůň" \U0001f40e')
         RECIPE["write_experience"](self.path, {**tensors, **extra}, metadata)
-        self.assert_ours_reads(tensors, SAMPLE_METADATA)
+        self.assert_ours_reads(tensors, dict(SAMPLE_METADATA, position_frame=""))
         self.assertEqual(self.read_with_ours()["frame_place"], "")
 
     def test_a_large_random_experience_opens_with_ours(self):
@@ -150,7 +152,18 @@ class Experience(unittest.TestCase):
         }
         metadata = dict(SAMPLE_METADATA, taps=f"layer:3:{neurons}:{samples}")
         RECIPE["write_experience"](self.path, tensors, metadata)
-        self.assert_ours_reads(tensors, metadata)
+        self.assert_ours_reads(tensors, dict(metadata, position_frame=""))
+
+    def test_frames_without_truth_are_of_version_2(self):
+        tensors = dict(
+            SAMPLE,
+            frame_place=np.array([-(2**63), 18], np.int64),
+            frame_position=np.array([[0, 0, 0], [np.nan] * 3], np.float64),
+        )
+        RECIPE["write_experience"](self.path, tensors, SAMPLE_METADATA)
+        with safe_open(self.path, "numpy") as file:
+            self.assertEqual(file.metadata()["format_version"], "2")
+        self.assert_ours_reads(tensors, SAMPLE_METADATA)
 
     def test_a_bit_behind_the_checksum_counts_as_well(self):
         RECIPE["write_experience"](self.path, SAMPLE, SAMPLE_METADATA)

@@ -42,6 +42,8 @@ static inline vdna_experience sample_experience(void)
         .frame_place = place,
         .frame_position = position[0],
         .frame_grey = grey,
+        .position_frame = "local",
+        .order = "utime",
     };
     return sample;
 }

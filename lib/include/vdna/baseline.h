@@ -43,8 +43,10 @@ typedef struct vdna_ranking_table {
     uint32_t references;    /**< >= 1 */
 } vdna_ranking_table;
 
-/** How well distances rank recalls. Percentages are in the unit of the recalls. A number that the
- *  table does not define (one reference only, all recalls equal) is NaN. */
+/** How well distances rank recalls. Percentages are in the unit of the recalls. A query whose recalls
+ *  are all equal, to 1e-9, ranks nothing: every order is the true one. It is left out of every
+ *  metric; if no query is left, all of them are NaN, those of a random ranking included. So is a
+ *  coefficient whose distances are all equal. */
 typedef struct vdna_ranking_metrics {
     double ranking_error_swap_once; /**< each unordered pair {a, b} for which, at some rank, the
                                        truth has one and the prediction the other counts once with
@@ -58,6 +60,8 @@ typedef struct vdna_ranking_metrics {
     double spearman_within; /**< as pearson_within, of ranks */
     double pearson_pooled;  /**< correlation over all pairs of all queries, -1..1 */
     double spearman_pooled; /**< as pearson_pooled, of ranks */
+    uint32_t queries;       /**< judged */
+    uint32_t left_out;      /**< queries that rank nothing */
 } vdna_ranking_metrics;
 
 /** Judge a table of distances against a table of recalls. Ties in either order are broken by the

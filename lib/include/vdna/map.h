@@ -14,9 +14,13 @@
 extern "C" {
 #endif
 
-#define VDNA_MAP_FORMAT 1u         /**< version of the experience file format */
+#define VDNA_MAP_FORMAT 2u         /**< version of the experience file format */
 #define VDNA_MAP_EXTENSION ".vdna" /**< file name ending of an experience */
 #define VDNA_MAP_FILE_SIZE 256u    /**< bytes of a file's name in a map, its NUL included */
+#define VDNA_PLACE_NONE INT64_MIN  /**< place number of a frame without ground truth */
+#define VDNA_FRAME_WGS84 "wgs84"   /**< position frame: Earth-centred metres made from GPS */
+#define VDNA_FRAME_LOCAL "local"   /**< position frame: metres of a map of one's own, unnamed */
+#define VDNA_ORDER_SIZE 32u        /**< bytes of `order` in vdna_experience, its NUL included */
 
 /** One experience. Reading fills it; to write one, fill it and call vdna_experience_write(). */
 typedef struct vdna_experience {
@@ -30,13 +34,25 @@ typedef struct vdna_experience {
     const uint32_t *mass;              /**< [neurons], sums of the counts */
     const float *embeddings;           /**< [frames][dim], finite */
     const int64_t *frame_utime;        /**< [frames], camera stamps in microseconds */
-    const int64_t *frame_place;   /**< [frames], place numbers; NULL = not labelled with places */
-    const double *frame_position; /**< [frames][3], metres in one Cartesian frame shared by the
-                                       map (ECEF if made from GPS); NULL = no positions */
+    const int64_t *frame_place;   /**< [frames], place numbers, VDNA_PLACE_NONE = this frame has
+                                       none; NULL = not labelled with places */
+    const double *frame_position; /**< [frames][3], metres in `position_frame`, three NaNs = this
+                                       frame has no position; NULL = no positions */
     const float *frame_grey;      /**< [frames], mean grey level 0..255 */
     const void *file_bytes;       /**< [file_size], the whole mapped file, read-only; NULL = not
                                        from a file. Closing unmaps it */
     size_t file_size;             /**< bytes; 0 = not from a file */
+    char position_frame[VDNA_NAME_SIZE]; /**< the Cartesian frame of the positions, which only
+                                              compare within it: VDNA_FRAME_WGS84, or the name of a
+                                              local one, which passes vdna_name_check(); ignored
+                                            without positions, and "" after reading. The writer
+                                            takes "" beside positions for VDNA_FRAME_WGS84 if all of
+                                            them lie 6.3e6 to 6.5e6 m from the origin, else for
+                                            VDNA_FRAME_LOCAL, and so does the reader of a file that
+                                            says nothing */
+    char order[VDNA_ORDER_SIZE]; /**< what ordered the frames: "utime", "numbers" or "names" of
+                                      pictures, "log", "video" or "manifest"; alphabet as for names;
+                                      "" = not known */
 } vdna_experience;
 
 /** Open an experience file: map it, check every byte of it, point into it.

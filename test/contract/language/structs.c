@@ -118,6 +118,8 @@ static void print_map(void)
     FIELD(vdna_experience, frame_grey);
     FIELD(vdna_experience, file_bytes);
     FIELD(vdna_experience, file_size);
+    FIELD(vdna_experience, position_frame);
+    FIELD(vdna_experience, order);
 }
 
 static void print_backbone(void)

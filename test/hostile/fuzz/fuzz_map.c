@@ -1,5 +1,7 @@
 /* Any bytes as an experience file. */
 #define _POSIX_C_SOURCE 200809L
+#include <math.h>
+
 #include <vdna/emd.h>
 
 #include "fuzz.h"
@@ -26,6 +28,16 @@ static void use_identity(const vdna_experience *e)
     require(strcmp(taps, e->identity.taps) == 0);
 }
 
+/* A position is whole, or absent as a whole, and in a frame with a name. */
+static void use_positions(const vdna_experience *e)
+{
+    require(memchr(e->position_frame, '\0', sizeof e->position_frame) != NULL);
+    require((e->position_frame[0] != '\0') == (e->frame_position != NULL));
+    for (size_t i = 0; e->frame_position && i < 3 * (size_t)e->frames; i++)
+        require(isfinite(e->frame_position[i]) || isnan(e->frame_position[i - i % 3]));
+    require(memchr(e->order, '\0', sizeof e->order) != NULL);
+}
+
 /* Read everything that an accepted experience points to: the reader's promises must hold. */
 static void use(const vdna_experience *e)
 {
@@ -39,6 +51,7 @@ static void use(const vdna_experience *e)
     require(distance == 0 && (status == VDNA_OK || status == VDNA_ERR_OVERFLOW));
     require(vdna_experience_compare(e, e, NULL) == VDNA_OK);
     use_identity(e);
+    use_positions(e);
 
     vdna_field fields[VDNA_FIELD_COUNT];
     vdna_layout_of(e, fields);
@@ -89,15 +102,22 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     return 0;
 }
 
-/* The sample, and the same without optional fields. */
+/* The sample, the same without optional fields, and with frames without ground truth. */
 size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
 {
     vdna_experience e = sample_experience();
-    if (index > 1)
+    if (index > 2)
         return 0;
     if (index == 1) {
         e.frame_place = NULL;
         e.frame_position = NULL;
+    }
+    static const int64_t place[] = {17, VDNA_PLACE_NONE};
+    static const double position[] = {NAN, NAN, NAN, 4e6, 4e6, 3e6};
+    if (index == 2) {
+        e.frame_place = place;
+        e.frame_position = position;
+        strcpy(e.position_frame, VDNA_FRAME_WGS84);
     }
     const directory made = make_directory();
     const char *path = path_in(&made, "seed");

@@ -119,16 +119,51 @@ static void correlation_is_minus_one_when_recall_falls_linearly_with_distance(vo
     assert_true(m.spearman_pooled > -0.6 && m.spearman_pooled < -0.3);
 }
 
-static void metrics_that_the_table_does_not_define_are_nan(void **state)
+static void assert_nothing_is_judged(vdna_ranking_metrics m)
+{
+    assert_true(isnan(m.ranking_error_swap_once) && isnan(m.ranking_error_half_l1));
+    assert_true(isnan(m.regret) && isnan(m.kendall_tau));
+    assert_true(isnan(m.pearson_within) && isnan(m.spearman_within));
+    assert_true(isnan(m.pearson_pooled) && isnan(m.spearman_pooled));
+    assert_int_equal(m.queries, 0);
+    assert_int_equal(m.left_out, 1);
+}
+
+static void a_truth_that_ranks_nothing_judges_no_method_and_no_chance(void **state)
 {
     (void)state;
-    const double recall[] = {50}, distance[] = {1}, equal[] = {50, 50}, apart[] = {1, 2};
-    const vdna_ranking_metrics one = judge(recall, distance, 1, 1),
-                               flat = judge(equal, apart, 1, 2);
-    assert_true(one.ranking_error_swap_once == 0 && one.regret == 0);
-    assert_true(isnan(one.kendall_tau) && isnan(one.pearson_within));
-    assert_true(isnan(flat.kendall_tau) && isnan(flat.pearson_pooled));
-    assert_true(judge(recall, NULL, 1, 1).ranking_error_swap_once == 0);
+    const double one[] = {50}, equal[] = {100, 100, 100}, apart[] = {1, 2, 3};
+    const double rounded[] = {100.0 / 3, 100 - 200.0 / 3, NONE};
+    assert_nothing_is_judged(judge(one, apart, 1, 1));
+    assert_nothing_is_judged(judge(one, NULL, 1, 1));
+    assert_nothing_is_judged(judge(equal, apart, 1, 3));
+    assert_nothing_is_judged(judge(equal, NULL, 1, 3));
+    assert_nothing_is_judged(judge(rounded, apart, 1, 3));
+}
+
+static void queries_that_rank_nothing_are_left_out_of_every_average(void **state)
+{
+    (void)state;
+    const double recall[] = {90, 60, 30, 0, 0, 0, 90, 60, 30};
+    const double distance[] = {2, 1, 3, 7, 8, 9, 1, 2, 3};
+    const double ranked[] = {90, 60, 30, 90, 60, 30}, nearer[] = {2, 1, 3, 1, 2, 3};
+    const vdna_ranking_metrics m = judge(recall, distance, 3, 3), two = judge(ranked, nearer, 2, 3);
+    assert_true(m.ranking_error_swap_once == 5 && m.regret == 15);
+    assert_true(m.ranking_error_half_l1 == two.ranking_error_half_l1);
+    assert_true(m.pearson_pooled == two.pearson_pooled);
+    assert_true(m.spearman_pooled == two.spearman_pooled);
+    assert_true(judge(recall, NULL, 3, 3).regret == judge(ranked, NULL, 2, 3).regret);
+    assert_int_equal(m.queries, 2);
+    assert_int_equal(m.left_out, 1);
+}
+
+static void a_coefficient_of_equal_distances_is_nan(void **state)
+{
+    (void)state;
+    const double recall[] = {50, 60}, equal[] = {1, 1};
+    const vdna_ranking_metrics m = judge(recall, equal, 1, 2);
+    assert_true(isnan(m.kendall_tau) && isnan(m.pearson_within) && isnan(m.pearson_pooled));
+    assert_true(m.regret == 10);
 }
 
 static void bad_tables_are_refused(void **state)
@@ -155,7 +190,9 @@ int main(void)
         cmocka_unit_test(tau_is_one_for_the_true_order_and_minus_one_for_its_reverse),
         cmocka_unit_test(ties_lower_tau_as_tau_b_does),
         cmocka_unit_test(correlation_is_minus_one_when_recall_falls_linearly_with_distance),
-        cmocka_unit_test(metrics_that_the_table_does_not_define_are_nan),
+        cmocka_unit_test(a_truth_that_ranks_nothing_judges_no_method_and_no_chance),
+        cmocka_unit_test(queries_that_rank_nothing_are_left_out_of_every_average),
+        cmocka_unit_test(a_coefficient_of_equal_distances_is_nan),
         cmocka_unit_test(bad_tables_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

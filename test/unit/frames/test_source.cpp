@@ -123,13 +123,19 @@ void a_folder_brings_its_own_labels(void **)
     assert_false(frames_of(folder.path(), options).at(0).label.place.has_value());
 }
 
-void a_picture_without_a_row_is_refused_by_name(void **)
+void a_picture_without_a_row_is_a_frame_without_truth(void **)
 {
     const Folder folder;
     folder.write("0.jpg", "x");
     folder.write("1.jpg", "x");
     folder.write("labels.csv", "file,place\n0.jpg,5\n");
-    assert_contains(refusal_of(folder.path()), "1.jpg");
+    vdna::frames::Source source(folder.path());
+    vdna::frames::Frame frame;
+    assert_true(source.next(frame));
+    assert_int_equal(*frame.label.place, 5);
+    assert_true(source.next(frame));
+    assert_true(frame.label.lacks_truth);
+    assert_false(source.next(frame));
 }
 
 void skip_and_every_keep_the_index_in_the_source(void **)
@@ -276,7 +282,7 @@ int main()
         cmocka_unit_test(a_picture_is_handed_on_as_the_bytes_of_its_file),
         cmocka_unit_test(pictures_without_times_are_dated_by_the_rate),
         cmocka_unit_test(a_folder_brings_its_own_labels),
-        cmocka_unit_test(a_picture_without_a_row_is_refused_by_name),
+        cmocka_unit_test(a_picture_without_a_row_is_a_frame_without_truth),
         cmocka_unit_test(skip_and_every_keep_the_index_in_the_source),
         cmocka_unit_test(what_is_no_source_is_refused),
         cmocka_unit_test(a_log_gives_the_frames_of_its_camera),

@@ -5,10 +5,10 @@
 #include <random>
 
 #include <vdna/cpp/error.hpp>
+#include <vdna/geodesy.h>
 
 #include "cmocka.hpp"
 #include "folder.hpp"
-#include "frames/labels.hpp"
 #include "frames/track.hpp"
 #include "frames/track_file.hpp"
 #include "frames/track_join.hpp"
@@ -96,7 +96,7 @@ void points_without_a_time_are_left_out_and_counted(void **)
     const TrackFile file = read("a.gpx", gpx(point("1", "2", "") + point("3", "4", at_noon(1)) +
                                              point("5", "6", "<time/>")));
     assert_int_equal(file.fixes.size(), 1);
-    assert_int_equal(file.incomplete, 2);
+    assert_int_equal(file.unplaced, 2);
 }
 
 void a_planned_route_is_refused(void **)
@@ -178,7 +178,7 @@ void rows_without_a_fix_are_left_out_and_counted(void **)
     const TrackFile file = read("t.csv", "utime,lat,lon,alt\n1,,,\n2,1,2,\n,1,2,3\n3,1,,3\n");
     assert_int_equal(file.fixes.size(), 1);
     assert_false(file.fixes[0].alt.has_value());
-    assert_int_equal(file.incomplete, 3);
+    assert_int_equal(file.unplaced, 3);
     assert_refused("t.csv", "utime,lat,lon\n1,,\n", "t.csv: no row has a time and a position");
 }
 
@@ -206,7 +206,7 @@ Track track_of(const std::vector<int64_t> &utimes, int64_t gap_us)
     std::vector<Track::Point> points;
     for (const int64_t utime : utimes)
         points.push_back({utime, {{double(points.size()), 0, 0}}});
-    return Track("t", points, gap_us);
+    return Track("t", "local", points, gap_us);
 }
 
 void assert_x(const Track &track, int64_t utime, double x)
@@ -299,13 +299,37 @@ void positions_are_those_of_a_plain_computation(void **)
             if (!is_near)
                 continue;
             const double share = double(at - a->utime) / double(b->utime - a->utime);
-            const auto expected = vdna::frames::ecef_of(a->lat + share * (b->lat - a->lat),
-                                                        a->lon + share * (b->lon - a->lon), 0);
+            double expected[3];
+            assert_int_equal(vdna_geodesy_to_ecef(a->lat + share * (b->lat - a->lat),
+                                                  a->lon + share * (b->lon - a->lon), 0, expected),
+                             VDNA_OK);
             const auto &p = *position;
             assert_true(std::hypot(p[0] - expected[0], p[1] - expected[1], p[2] - expected[2]) <
                         0.01);
         }
     }
+}
+
+void fixes_that_nobody_can_have_had_are_left_out(void **)
+{
+    const Folder folder;
+    const Track track = Track::from_file(folder.write("t.csv", "utime,lat,lon\n"
+                                                               "0,10,20\n"
+                                                               "1000000,0,0\n"
+                                                               "2000000,95,20\n"
+                                                               "3000000,10.5,20\n"
+                                                               "4000000,1e300,20\n"
+                                                               "5000000,10.0001,20\n"),
+                                         5 * second_us);
+    assert_int_equal(track.size(), 2);
+    assert_string_equal(track.frame().c_str(), "wgs84");
+    const auto p = *track.at(2500000);
+    double expected[3];
+    vdna_geodesy_to_ecef(10.00005, 20, 0, expected);
+    assert_true(std::hypot(p[0] - expected[0], p[1] - expected[1], p[2] - expected[2]) < 0.01);
+    assert_refused("t.csv", "utime,lat,lon\n1,0,0\n2,,\n3,91,1\n",
+                   "t.csv: no fix of this track can be used: 3 fixes left out: 1 at 0,0, 1 beyond "
+                   "the globe, 1 without a time or a position; record it again");
 }
 
 void heights_count_only_if_every_fix_has_one(void **)
@@ -315,8 +339,8 @@ void heights_count_only_if_every_fix_has_one(void **)
         const auto p = *Track::from_file(folder.write("t.csv", table), 10).at(2);
         return std::hypot(p[0], p[1], p[2]);
     };
-    assert_float_equal(radius_at_2("utime,lat,lon,alt\n1,0,0,100\n3,0,0,100\n"), 6378237, 1e-6);
-    assert_float_equal(radius_at_2("utime,lat,lon,alt\n1,0,0,100\n3,0,0,\n"), 6378137, 1e-6);
+    assert_float_equal(radius_at_2("utime,lat,lon,alt\n1,0,90,100\n3,0,90,100\n"), 6378237, 1e-6);
+    assert_float_equal(radius_at_2("utime,lat,lon,alt\n1,0,90,100\n3,0,90,\n"), 6378137, 1e-6);
 }
 
 // The complaint of a join of frames at these times.
@@ -364,9 +388,12 @@ void the_track_replaces_other_truth(void **)
         vdna::frames::Label label;
         label.place = 5;
         label.position = {{7, 7, 7}};
+        label.position_frame = "garage";
         join.label_next(utime, label);
         assert_false(label.place.has_value());
         assert_int_equal(label.position.has_value(), utime == noon);
+        assert_int_equal(label.lacks_truth, utime != noon);
+        assert_string_equal(label.position_frame.c_str(), utime == noon ? "local" : "");
         if (label.position)
             assert_true((*label.position)[0] == 0);
     }
@@ -428,6 +455,7 @@ int main()
         cmocka_unit_test(of_two_fixes_at_one_time_the_first_counts),
         cmocka_unit_test(a_single_fix_is_a_track_of_one_moment),
         cmocka_unit_test(positions_are_those_of_a_plain_computation),
+        cmocka_unit_test(fixes_that_nobody_can_have_had_are_left_out),
         cmocka_unit_test(heights_count_only_if_every_fix_has_one),
         cmocka_unit_test(frames_of_another_time_are_told_with_both_times),
         cmocka_unit_test(the_track_replaces_other_truth),

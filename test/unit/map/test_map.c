@@ -162,6 +162,8 @@ static void what_is_written_is_read_back(void **state)
     assert_memory_equal(e.frame_place, sample.frame_place, 2 * sizeof(int64_t));
     assert_memory_equal(e.frame_position, sample.frame_position, 2 * 3 * sizeof(double));
     assert_memory_equal(e.frame_grey, sample.frame_grey, 2 * sizeof(float));
+    assert_string_equal(e.position_frame, "local");
+    assert_string_equal(e.order, "utime");
     assert_int_equal(e.file_size, f->size);
     assert_memory_equal(e.file_bytes, f->bytes, f->size);
 
@@ -194,6 +196,7 @@ static void an_experience_needs_no_places_and_no_positions(void **state)
     assert_int_equal(vdna_experience_open(path, NULL, &e), VDNA_OK);
     assert_null(e.frame_place);
     assert_null(e.frame_position);
+    assert_string_equal(e.position_frame, "");
     assert_int_equal(e.frame_utime[1], 1033333);
     vdna_experience_close(&e);
 }
@@ -267,12 +270,73 @@ static void every_other_spelling_of_the_header_opens(void **state)
     }
 }
 
+/* Write positions whose frame is not said, in a file or in a struct; the frame that is read. */
+static void assert_frame(const file *f, const double position[2][3], const char *expected)
+{
+    const char *path = path_in(&f->directory, "positions");
+    vdna_experience sample = sample_experience(), e;
+    sample.frame_position = position[0];
+    sample.position_frame[0] = '\0';
+    assert_int_equal(vdna_experience_write(&sample, path, NULL), VDNA_OK);
+    assert_int_equal(vdna_experience_open(path, NULL, &e), VDNA_OK);
+    assert_string_equal(e.position_frame, expected);
+    vdna_experience_close(&e);
+}
+
+static void positions_near_the_surface_of_the_earth_are_of_gps_if_nothing_is_said(void **state)
+{
+    const double gps[2][3] = {{6378137, 0, 0}, {0, 0, -6356752}},
+                 half[2][3] = {{6378137, 0, 0}, {1, 2, 3}},
+                 one[2][3] = {{NAN, NAN, NAN}, {0, 6.4e6, 0}}, low[2][3] = {{0, 6.29e6, 0}},
+                 high[2][3] = {{0, 6.51e6, 0}, {0, 6.4e6, 0}};
+    assert_frame(*state, gps, "wgs84");
+    assert_frame(*state, one, "wgs84");
+    assert_frame(*state, half, "local");
+    assert_frame(*state, low, "local");
+    assert_frame(*state, high, "local");
+}
+
+static void a_file_that_does_not_say_the_frame_is_read_as_before(void **state)
+{
+    file f = *(const file *)*state;
+    vdna_experience e;
+    edit_header(&f, ",\"position_frame\":\"local\",\"order\":\"utime\"", "");
+    assert_int_equal(open_bytes(&f, NULL, &e), VDNA_OK);
+    assert_string_equal(e.position_frame, "local");
+    assert_string_equal(e.order, "");
+    vdna_experience_close(&e);
+}
+
+static void frames_may_lack_the_truth_that_others_have_since_version_2(void **state)
+{
+    const file *f = *state;
+    const char *path = path_in(&f->directory, "gaps");
+    const int64_t place[] = {VDNA_PLACE_NONE, 3};
+    const double position[2][3] = {{1, 2, 3}, {NAN, NAN, NAN}};
+    vdna_experience sample = sample_experience(), e;
+    sample.frame_position = position[0];
+    assert_int_equal(vdna_experience_write(&sample, path, NULL), VDNA_OK);
+    assert_int_equal(vdna_experience_open(path, NULL, &e), VDNA_OK);
+    assert_true(e.frame_position[2] == 3 && isnan(e.frame_position[3]));
+    const char *const header = (const char *)e.file_bytes + 8;
+    assert_non_null(strstr(header, "\"format_version\":\"2\""));
+    vdna_experience_close(&e);
+
+    sample = sample_experience();
+    sample.frame_place = place;
+    assert_int_equal(vdna_experience_write(&sample, path, NULL), VDNA_OK);
+    assert_int_equal(vdna_experience_open(path, NULL, &e), VDNA_OK);
+    assert_true(e.frame_place[0] == VDNA_PLACE_NONE && e.frame_place[1] == 3);
+    assert_non_null(strstr((const char *)e.file_bytes + 8, "\"format_version\":\"2\""));
+    vdna_experience_close(&e);
+}
+
 static void a_newer_format_version_is_unsupported_and_says_what_to_do(void **state)
 {
     file f = *(const file *)*state;
-    edit_header(&f, "\"format_version\":\"1\"", "\"format_version\":\"2\"");
+    edit_header(&f, "\"format_version\":\"1\"", "\"format_version\":\"3\"");
     assert_refused(&f, VDNA_ERR_UNSUPPORTED, "update this program");
-    edit_header(&f, "\"format_version\":\"2\"", "\"format_version\":\"10\"");
+    edit_header(&f, "\"format_version\":\"3\"", "\"format_version\":\"10\"");
     assert_refused(&f, VDNA_ERR_UNSUPPORTED, "version 10 is newer");
 }
 
@@ -294,6 +358,11 @@ static void metadata_that_breaks_a_rule_is_refused(void **state)
         {"\"taps\":", "\"tap\":", "taps in __metadata__ is missing"},
         {"\"comparable\":", "\"same\":", "comparable in __metadata__ is missing"},
         {"winter", "", "name is empty"},
+        {"\"local\"", "\"my site\"", "position_frame has a character"},
+        {"\"local\"", "\"" SAMPLE_SHA256 "\"", "position_frame in __metadata__ is too long"},
+        {"\"local\"", "\"wgs84\"", "the position of frame 0 is not 6.3e6 to 6.5e6 m"},
+        {"\"utime\"", "\"u time\"", "order has a character"},
+        {"\"utime\"", "\"0123456789abcdef0123456789abcdef\"", "order in __metadata__ is too long"},
         {"winter", "win ter", "name has a character"},
         {"winter", "../winter", "name has a character"},
         {"winter", SAMPLE_SHA256, "name in __metadata__ is too long"},
@@ -386,7 +455,7 @@ static void a_tensor_that_breaks_a_rule_is_refused(void **state)
 static void a_number_that_breaks_a_rule_is_refused(void **state)
 {
     const float nan = NAN, infinity = INFINITY, one = 1, negative = -1, too_bright = 255.5f;
-    const double infinite = INFINITY;
+    const double infinite = INFINITY, no_number = NAN;
     const uint32_t seven = 7;
     const struct {
         const char *tensor;
@@ -407,6 +476,8 @@ static void a_number_that_breaks_a_rule_is_refused(void **state)
         {"frame_grey", 0, &negative, 4, "the grey level of frame 0"},
         {"frame_grey", 0, &too_bright, 4, "the grey level of frame 0 is 255.5"},
         {"frame_position", 4, &infinite, 8, "the position of frame 1"},
+        {"frame_position", 4, &no_number, 8, "expected three NaNs"},
+        {"frame_position", 0, &no_number, 8, "the position of frame 0"},
     };
     for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
         file f = *(const file *)*state;
@@ -640,6 +711,9 @@ int main(void)
         CASE(the_longest_taps_are_kept),
         CASE(the_checksum_is_crc32c_of_all_before_it),
         CASE(every_other_spelling_of_the_header_opens),
+        CASE(positions_near_the_surface_of_the_earth_are_of_gps_if_nothing_is_said),
+        CASE(a_file_that_does_not_say_the_frame_is_read_as_before),
+        CASE(frames_may_lack_the_truth_that_others_have_since_version_2),
         CASE(a_newer_format_version_is_unsupported_and_says_what_to_do),
         CASE(metadata_that_breaks_a_rule_is_refused),
         CASE(a_tensor_that_breaks_a_rule_is_refused),

@@ -1,5 +1,9 @@
 // Recall@1 on embeddings of one number.
+#include <cmath>
 #include <cstring>
+
+#include <vdna/cpp/error.hpp>
+#include <vdna/geodesy.h>
 
 #include "cmocka.hpp"
 #include "record/localisation.hpp"
@@ -68,7 +72,7 @@ void equal_distances_take_the_lowest_index(void **)
 
 void places_at_the_ends_of_their_range_do_not_wrap(void **)
 {
-    const Frames map("m", {0}, {INT64_MIN});
+    const Frames map("m", {0}, {INT64_MIN + 1});
     const Recording live = recording_of({0}, {INT64_MAX});
     assert_int_equal(vdna::record::localise_in(map.experience, live, 5).good(), 0);
 }
@@ -79,12 +83,146 @@ void metres_go_before_places(void **)
     const double here[] = {0, 0, 0};
     map.experience.frame_position = here;
     Recording live = recording_of({0}, {7});
-    assert_true(vdna::record::common_unit(live, map.experience) == Unit::places);
-    live.position = {2, 3, 6};
-    const Localisation found = vdna::record::localise_in(map.experience, live, 7);
+    assert_true(vdna::record::localise_in(map.experience, live, 5).unit == Unit::places);
+    live.position = {3, 4, 12};
+    const Localisation found = vdna::record::localise_in(map.experience, live, 5);
     assert_true(found.unit == Unit::metres);
     assert_int_equal(found.good(), 1);
-    assert_int_equal(vdna::record::localise_in(map.experience, live, 6.9).good(), 0);
+    assert_int_equal(vdna::record::localise_in(map.experience, live, 4.9).good(), 0);
+}
+
+void altitude_counts_only_if_asked_for(void **)
+{
+    Frames map("m", {0}, {});
+    const double here[] = {0, 0, 1};
+    map.experience.frame_position = here;
+    Recording live = recording_of({0}, {});
+    live.position = {3, 4, 13};
+    assert_int_equal(vdna::record::localise_in(map.experience, live, 5, 1).good(), 1);
+    assert_int_equal(vdna::record::localise_in(map.experience, live, 12.9, 1, true).good(), 0);
+    assert_int_equal(vdna::record::localise_in(map.experience, live, 13, 1, true).good(), 1);
+}
+
+// The Earth-centred position of a fix.
+std::vector<double> ecef_of(double lat_deg, double lon_deg, double alt_m)
+{
+    std::vector<double> ecef(3);
+    vdna_geodesy_to_ecef(lat_deg, lon_deg, alt_m, ecef.data());
+    return ecef;
+}
+
+void the_altitude_of_another_day_does_not_spoil_gps(void **)
+{
+    Frames map("m", {0}, {});
+    const std::vector<double> there = ecef_of(48.1, 11.5, 531.8);
+    map.experience.frame_position = there.data();
+    std::strcpy(map.experience.position_frame, VDNA_FRAME_WGS84);
+    Recording live = recording_of({0}, {});
+    live.position = ecef_of(48.1, 11.50001, 0); // 0.745 m east
+    live.position_frame = VDNA_FRAME_WGS84;
+    assert_int_equal(vdna::record::localise_in(map.experience, live, 0.75).good(), 1);
+    assert_int_equal(vdna::record::localise_in(map.experience, live, 0.74).good(), 0);
+}
+
+void altitudes_on_one_side_only_are_refused_if_they_count(void **)
+{
+    Frames map("summer", {0}, {});
+    const double here[] = {0, 0, 1};
+    map.experience.frame_position = here;
+    Recording live = recording_of({0}, {});
+    live.position = {3, 4, 0};
+    assert_int_equal(vdna::record::localise_in(map.experience, live, 5).good(), 1);
+    try {
+        vdna::record::localise_in(map.experience, live, 5, 1, true);
+    } catch (const vdna::Error &e) {
+        assert_non_null(std::strstr(
+            e.what(), "the live frames have no altitudes and those of summer have some"));
+        return;
+    }
+    fail_msg("altitudes on one side were compared");
+}
+
+void positions_of_other_frames_are_not_labelled_alike(void **)
+{
+    Frames map("m", {0}, {7});
+    const double here[] = {0, 0, 0};
+    map.experience.frame_position = here;
+    std::strcpy(map.experience.position_frame, "site");
+    Recording live = recording_of({0}, {});
+    live.position = {0, 0, 0};
+    live.position_frame = "local";
+    const Localisation found = vdna::record::localise_in(map.experience, live, 5);
+    assert_true(found.unit == Unit::none);
+    assert_string_equal(found.difference.c_str(), "live in frame local, map in site");
+    live.place = {7}; // places compare all the same
+    assert_true(vdna::record::localise_in(map.experience, live, 5).unit == Unit::places);
+}
+
+void frames_without_truth_are_neither_right_nor_wrong(void **)
+{
+    const Frames map("m", {0, 10, 20}, {0, VDNA_PLACE_NONE, 200});
+    const Recording live = recording_of({0, 10, 20, 20}, {0, 100, VDNA_PLACE_NONE, 999});
+    const Localisation found = vdna::record::localise_in(map.experience, live, 5);
+    assert_int_equal(found.judged(), 3);
+    assert_int_equal(found.good(), 1);
+    assert_int_equal(found.unreachable(), 2); // frame 1 of the map may be at 100, but nobody knows
+    assert_float_equal(found.recall_percent(), 100.0 / 3, 1e-12);
+    assert_false(found.matches[2].judged);
+    assert_int_equal(found.matches[2].frame, 2);
+}
+
+void positions_may_be_missing_on_both_sides(void **)
+{
+    Frames map("m", {0, 10}, {});
+    const double positions[] = {NAN, NAN, NAN, 5, 0, 0};
+    map.experience.frame_position = positions;
+    Recording live = recording_of({0, 10, 10}, {});
+    live.position = {0, 0, 0, NAN, NAN, NAN, 5, 1, 0};
+    const Localisation found = vdna::record::localise_in(map.experience, live, 2);
+    assert_int_equal(found.judged(), 2);
+    assert_int_equal(found.good(), 1);
+    assert_int_equal(found.unreachable(), 1);
+    assert_false(found.matches[0].good);
+    live.position.assign(9, NAN);
+    assert_true(std::isnan(vdna::record::localise_in(map.experience, live, 2).recall_percent()));
+}
+
+vdna::frames::Frame labelled(const vdna::frames::Label &label)
+{
+    vdna::frames::Frame frame;
+    frame.name = "f";
+    frame.label = label;
+    return frame;
+}
+
+void a_recording_fills_the_gaps_of_its_labels(void **)
+{
+    const float embedding[] = {0};
+    vdna_backbone_frame output{};
+    output.embedding = embedding;
+    output.dim = 1;
+    vdna::frames::Label none, both;
+    none.lacks_truth = true;
+    both.place = 3;
+    both.position = {{1, 2, 3}};
+    both.position_frame = "site";
+    Recording recording;
+    for (const vdna::frames::Label &label : {none, both, none})
+        recording.add(labelled(label), output);
+    assert_true(recording.place == (std::vector<int64_t>{VDNA_PLACE_NONE, 3, VDNA_PLACE_NONE}));
+    assert_int_equal(recording.position.size(), 9);
+    assert_true(std::isnan(recording.position[2]) && std::isnan(recording.position[6]));
+    assert_true(recording.position[5] == 3);
+    assert_string_equal(recording.position_frame.c_str(), "site");
+    assert_int_equal(recording.without_truth, 2);
+    both.position_frame = "other";
+    try {
+        recording.add(labelled(both), output);
+    } catch (const vdna::Error &e) {
+        assert_string_equal(e.what(), "f: its position is in frame other, expected site as before");
+        return;
+    }
+    fail_msg("two frames were mixed");
 }
 
 void without_common_labels_there_are_matches_only(void **)
@@ -119,6 +257,13 @@ int main()
         cmocka_unit_test(equal_distances_take_the_lowest_index),
         cmocka_unit_test(places_at_the_ends_of_their_range_do_not_wrap),
         cmocka_unit_test(metres_go_before_places),
+        cmocka_unit_test(altitude_counts_only_if_asked_for),
+        cmocka_unit_test(the_altitude_of_another_day_does_not_spoil_gps),
+        cmocka_unit_test(altitudes_on_one_side_only_are_refused_if_they_count),
+        cmocka_unit_test(positions_of_other_frames_are_not_labelled_alike),
+        cmocka_unit_test(frames_without_truth_are_neither_right_nor_wrong),
+        cmocka_unit_test(positions_may_be_missing_on_both_sides),
+        cmocka_unit_test(a_recording_fills_the_gaps_of_its_labels),
         cmocka_unit_test(without_common_labels_there_are_matches_only),
         cmocka_unit_test(all_together_is_the_nearest_of_each),
     };

@@ -22,7 +22,7 @@ from ._library import Status, VdnaError, version
 from .activations import FeatureMap
 from .backbone import Backbone, BackboneFrame, BackboneInfo, NamedTap
 from .distance import RankEntry, emd, emd_mean, rank
-from .experience import Experience, open_map
+from .experience import PLACE_NONE, Experience, open_map
 from .histogram import Histogram, HistogramView
 from .identity import Identity, TapShape, clean_name, format_taps, parse_taps
 from .neighbours import Neighbours, nearest
@@ -46,6 +46,7 @@ __all__ = [
     "Match",
     "NamedTap",
     "Neighbours",
+    "PLACE_NONE",
     "RankEntry",
     "Ranges",
     "ReferenceVdna",

@@ -171,6 +171,8 @@ class ExperienceFile(Structure):
         ("frame_grey", c_void_p),
         ("file_bytes", c_void_p),
         ("file_size", c_size_t),
+        ("position_frame", c_char * 64),
+        ("order", c_char * 32),
     ]
 
 

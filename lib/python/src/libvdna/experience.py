@@ -14,6 +14,12 @@ from ._library import Error, ExperienceFile, HistView, lib
 from .histogram import HistogramView, view_of
 from .identity import NAME_SIZE, Identity, identity_fields, text_field
 
+#: Place number of a frame without ground truth.
+PLACE_NONE = -(2**63)
+
+#: Bytes of `order`, its NUL included.
+ORDER_SIZE = 32
+
 Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
 
 
@@ -65,6 +71,8 @@ class Experience:
         frame_place: Optional[ArrayLike] = None,
         frame_position: Optional[ArrayLike] = None,
         precision: str = "fp32",
+        position_frame: str = "",
+        order: str = "",
     ) -> None:
         """An experience to write(). Arrays of the stated dtypes are not copied.
 
@@ -77,9 +85,15 @@ class Experience:
         embeddings: float32 [frames][dim]
         frame_utime: int64 [frames], camera stamps in microseconds
         frame_grey: float32 [frames], mean grey levels 0..255
-        frame_place: int64 [frames], place numbers
-        frame_position: float64 [frames][3], metres in one Cartesian frame shared by the map
+        frame_place: int64 [frames], place numbers; PLACE_NONE: this frame has none
+        frame_position: float64 [frames][3], metres in `position_frame`; three NaNs: this frame has
+                        none
         precision: of the network's arithmetic, "fp32" or "int8"; alphabet as for `name`, 1 to 15
+        position_frame: "wgs84" for Earth-centred metres made from GPS, else the name of a local
+                        frame; "": wgs84 if all positions lie near the surface of the Earth, seen
+                        from its centre, else "local"
+        order: what ordered the frames: "utime", "numbers", "names", "log", "video", "manifest"; "":
+               not known
         """
         self._histogram = histogram
         self._embeddings = shaped(floats(embeddings, "embeddings"), ("frames", "dim"), "embeddings")
@@ -118,6 +132,8 @@ class Experience:
             frame_place=_address(self._frame_place),
             frame_position=_address(self._frame_position),
             frame_grey=self._frame_grey.ctypes.data,
+            position_frame=text_field(position_frame, "position_frame", NAME_SIZE),
+            order=text_field(order, "order", ORDER_SIZE),
         )
 
     @classmethod
@@ -240,13 +256,25 @@ class Experience:
 
     @property
     def frame_place(self) -> Optional[NDArray[np.int64]]:
-        """[frames]: place numbers; None if there are none."""
+        """[frames]: place numbers, PLACE_NONE for a frame without one; None if there are none."""
         return self._frame_place
 
     @property
     def frame_position(self) -> Optional[NDArray[np.float64]]:
-        """[frames][3]: metres in one Cartesian frame shared by the map; None if there are none."""
+        """[frames][3]: metres in `position_frame`, NaN for a frame without one; None if there are
+        none."""
         return self._frame_position
+
+    @property
+    def position_frame(self) -> str:
+        """The frame of the positions: "wgs84" if Earth-centred, else the name of a local one; ""
+        without positions."""
+        return str(self._file.position_frame.decode())
+
+    @property
+    def order(self) -> str:
+        """What ordered the frames, such as "utime" or "numbers"; "" if that is not known."""
+        return str(self._file.order.decode())
 
 
 def _address(array: Optional[NDArray[Any]]) -> Optional[int]:
