@@ -130,13 +130,6 @@ class LogReader : public Reader
 
 } // namespace
 
-bool is_lcm_log(const std::string &path)
-{
-    std::ifstream stream(path, std::ios::binary);
-    std::array<uint8_t, 4> bytes;
-    return read_bytes(stream, bytes.data(), bytes.size()) && u32_at(bytes.data()) == magic;
-}
-
 std::unique_ptr<Reader> open_lcm_log(const std::string &path, const std::string &channel)
 {
     return std::make_unique<LogReader>(path, channel);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "frames/pose_track.hpp"
+
 namespace vdna::frames
 {
 
@@ -24,9 +26,17 @@ std::optional<Labels> labels_of(const std::string &path, const SourceOptions &op
 
 std::optional<TrackJoin> track_of(const std::string &path, const SourceOptions &options)
 {
-    if (!options.labelled || options.gps.empty())
+    const int64_t gap_us = std::llround(options.gps_gap_s * 1e6);
+    if (!options.labelled || (options.gps.empty() && options.pose_channel.empty()))
         return {};
-    return TrackJoin(Track::from_file(options.gps, std::llround(options.gps_gap_s * 1e6)), path);
+    if (!options.gps.empty())
+        return TrackJoin(Track::from_file(options.gps, gap_us), path);
+    if (!is_lcm_log(path))
+        throw Error(path + ": not an LCM log, so it has no --pose-channel; set --gps to its track");
+    const std::string &local = options.label_options.local_frame;
+    return TrackJoin(read_pose_track({path}, options.pose_channel,
+                                     local.empty() ? VDNA_FRAME_LOCAL : local, gap_us),
+                     path);
 }
 
 } // namespace

@@ -31,7 +31,8 @@ struct SourceOptions {
 
     int64_t time_offset_us = 0; // added to the times of all frames
     std::string gps;            // track whose positions are the frames' truth; "" = none
-    double gps_gap_s = 2;       // fixes of the track further apart than this are not joined, > 0
+    std::string pose_channel;   // of an LCM log, whose poses are such a track; "" = none
+    double gps_gap_s = 2;       // fixes of a track further apart than this are not joined, > 0
 };
 
 // One frame. `image.data` is borrowed until the next frame is read.

@@ -108,12 +108,17 @@ void add_track_options(CLI::App &command, frames::SourceOptions &options)
                         "possibly alt: gives each frame its position, in place of a table's")
             ->type_name("FILE");
     command
+        .add_option("--pose-channel", options.pose_channel,
+                    "channel of an LCM log with the poses (bot_core.pose_t) or GPS fixes "
+                    "(bot_core.gps_data_t) of the drive: as --gps")
+        ->type_name("CHANNEL")
+        ->excludes(gps);
+    command
         .add_option("--gps-gap", options.gps_gap_s,
-                    "frames between two fixes of the track that are further apart have no position")
+                    "frames between two fixes of a track that are further apart have no position")
         ->check(within(0.001, 3600))
         ->type_name("SECONDS")
-        ->capture_default_str()
-        ->needs(gps);
+        ->capture_default_str();
     command
         .add_option_function<std::string>(
             "--time-offset",

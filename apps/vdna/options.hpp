@@ -28,7 +28,7 @@ void add_threads_option(CLI::App &command, uint32_t &threads);
 // --rate, --camera, --every, --skip-bad.
 void add_source_options(CLI::App &command, frames::SourceOptions &options);
 
-// --gps, --gps-gap, --time-offset.
+// --gps, --pose-channel, --gps-gap, --time-offset.
 void add_track_options(CLI::App &command, frames::SourceOptions &options);
 
 // --labels, --frame.

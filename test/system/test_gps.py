@@ -110,7 +110,7 @@ class Tracks(Drives):
                                    "--time-offset", offset))
 
     def test_the_options_are_checked(self):
-        for options in (["--time-offset", "soon"], ["--time-offset", "1e300"], ["--gps-gap", "2"],
+        for options in (["--time-offset", "soon"], ["--time-offset", "1e300"],
                         ["--gps", "a.gpx", "--gps-gap", "0"], ["--gps", "a.gpx", "--gps-gap", "nan"]):
             self.refused("build", "map", "summer", *options, code=2)
 
