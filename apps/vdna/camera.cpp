@@ -100,6 +100,8 @@ void run_and_reconnect(const CameraOptions &options, CameraChannel &channel, Tal
             return run(options, channel, tally);
         } catch (const program::UsageError &) {
             throw;
+        } catch (const program::Interrupted &) {
+            throw;
         } catch (const Error &error) {
             // A camera that stays away is told once.
             if (error.what() != last || tally.sent > sent)

@@ -175,6 +175,16 @@ class PlayedCamera(unittest.TestCase):
         self.assertIn("sent 8 frames on CAMERA; 1 dropped by the driver", output)
         self.assertIn("the camera is gone; see to its plug and cable; trying again every 2 s", errors)
 
+    def test_ctrl_c_ends_the_wait_for_a_camera(self):
+        with CameraProgram("/dev/video99", "--reconnect") as program:
+            time.sleep(5)  # it tries three times
+            program.interrupt()
+            code, output, errors = program.end()
+        self.assertEqual((code, output), (0, "sent 0 frames on CAMERA; 0 dropped by the driver, 0 "
+                                             "damaged and left out\n"), errors)
+        self.assertEqual(errors.count("\n"), 1)
+        self.assertIn("no such device", errors)
+
     def test_what_it_does_not_offer_is_refused(self):
         with CameraProgram("/dev/video9", "--format", "YUYV", environment=played()) as program:
             code, output, errors = program.end()
