@@ -122,15 +122,18 @@ std::optional<int64_t> utime_of_iso(const std::string &text)
 
 std::string iso_of(int64_t utime)
 {
-    const int64_t seconds = utime / second_us - (utime % second_us < 0 ? 1 : 0);
+    int64_t seconds = utime / second_us, fraction_us = utime % second_us;
+    if (fraction_us < 0) {
+        seconds--;
+        fraction_us += second_us;
+    }
     const auto whole = static_cast<time_t>(seconds);
     tm calendar{};
     char text[64] = "";
     if (gmtime_r(&whole, &calendar))
         strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &calendar);
     char fraction[16];
-    std::snprintf(fraction, sizeof fraction, ".%03dZ",
-                  static_cast<int>((utime - seconds * second_us) / 1000));
+    std::snprintf(fraction, sizeof fraction, ".%03dZ", static_cast<int>(fraction_us / 1000));
     return std::string(text) + fraction;
 }
 

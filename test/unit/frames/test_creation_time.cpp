@@ -28,7 +28,7 @@ constexpr uint64_t seconds_1904 = 2082844800ull + 1714564800; // 2024-05-01T12:0
 
 std::string header(uint64_t seconds)
 {
-    return box("mvhd", big_endian(0, 4) + big_endian(seconds, 4) + big_endian(0, 88));
+    return box("mvhd", big_endian(0, 4) + big_endian(seconds, 4) + std::string(88, '\0'));
 }
 
 std::optional<int64_t> time_of(const std::string &bytes)
