@@ -118,8 +118,8 @@ class LogReading
     uint64_t next(uint64_t at)
     {
         const std::optional<Header> header = header_at(at);
-        if (header && header->end(at) > file_.size() && file_.find_magic(at + 1) == file_.size()) {
-            contents_.half_event = file_.size() - at; // of a logger that was killed
+        if (is_half_event(at, header)) {
+            contents_.half_event = file_.size() - at;
             return file_.size();
         }
         if (header && is_followed_well(header->end(at))) {
@@ -145,17 +145,31 @@ class LogReading
         return header;
     }
 
-    // An event is whole if another one begins where it ends, or the log ends there. Otherwise it
-    // was cut, and the events after it lie within its claimed length.
+    // Whether an event begins here that the end of the file cuts off, as a logger that is killed
+    // leaves it. In an event that was cut in the middle of a log, others follow.
+    bool is_half_event(uint64_t at, const std::optional<Header> &header)
+    {
+        if (header)
+            return header->end(at) > file_.size() && file_.find_magic(at + 1) == file_.size();
+        return file_.size() - at < header_size && is_magic_at(at);
+    }
+
+    // Whether the magic number is here, or as much of it as the file has left.
+    bool is_magic_at(uint64_t at)
+    {
+        std::array<char, 4> bytes{};
+        const size_t there = file_.read(at, bytes.data(), bytes.size());
+        return std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(there),
+                          magic_bytes.begin());
+    }
+
+    // An event counts if another one begins where it ends, or the log ends there. Otherwise it was
+    // cut, or its last bytes may be anything.
     bool is_followed_well(uint64_t end)
     {
         if (end >= file_.size())
             return end == file_.size();
-        std::array<char, 4> bytes{};
-        const size_t there = file_.read(end, bytes.data(), bytes.size());
-        return std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(there),
-                          magic_bytes.begin()) ||
-               file_.is_zero_from(end);
+        return is_magic_at(end) || file_.is_zero_from(end);
     }
 
     void take(uint64_t at, const Header &header)
