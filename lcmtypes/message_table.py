@@ -7,7 +7,8 @@ fingerprints.txt lists our messages; package.NAME_t is in NAME.lcm beside it. On
 language that these files use is understood: one package, `//` comments, constants of type int32_t,
 members of a type in KINDS or of an earlier struct, arrays of one dimension, which is a number or an
 earlier int32_t. Anything else is refused with its place, because a wrong table makes every check
-wrong.
+wrong. So are names that break the code of subscribers: lcm-gen itself checks none, and writes
+Python that cannot be imported and C++ that does not compile.
 """
 import re
 import sys
@@ -15,7 +16,9 @@ from pathlib import Path
 
 KINDS = {"boolean": "BOOLEAN", "byte": "BYTE", "int32_t": "INT32", "int64_t": "INT64",
          "double": "DOUBLE", "string": "STRING"}
-TOKEN = re.compile(r"\s+|//.*|(?P<token>[A-Za-z_]\w*|\d+|[{}\[\];=])")
+TOKEN = re.compile(r"\s+|(?P<comment>//.*)|(?P<token>[A-Za-z_]\w*|\d+|[{}\[\];=])")
+# The camera drivers' name, not ours to choose: every language but Go can have it.
+GIVEN = {"bot_core.image_t.size"}
 
 
 class Refusal(Exception):
@@ -23,6 +26,25 @@ class Refusal(Exception):
 
     def __init__(self, path, line, sentence):
         super().__init__(f"{path}:{line}: {sentence}")
+
+
+def spelling(name):
+    """What a name is in any language: Go writes marshal_binary as MarshalBinary."""
+    return name.replace("_", "").lower()
+
+
+def read_reserved():
+    """The names in reserved.txt: spelling -> what it is."""
+    owners = {}
+    for line in Path(__file__).with_name("reserved.txt").read_text(encoding="ascii").splitlines():
+        if not line.startswith("#"):
+            owner, names = line.split(": ")
+            for name in names.split():
+                owners.setdefault(spelling(name), owner)
+    return owners
+
+
+RESERVED = read_reserved()
 
 
 class Member:
@@ -38,6 +60,7 @@ class Struct:
     def __init__(self, package, name, path, line):
         self.package, self.name, self.path, self.line = package, name, path, line
         self.members = []
+        self.names = set()       # of members and constants
         self.short_name = name.removesuffix("_t")
         self.c_name = f"{package}_{name}"
         self.full_name = f"{package}.{name}"
@@ -62,6 +85,9 @@ class Parser:
                             "use; write it with what they use")
             if match["token"]:
                 self.tokens.append((match["token"], self.line))
+            if match["comment"] and text[:at].strip():
+                self.refuse(f"'{match['comment']}' stands behind a statement, where lcm-gen takes "
+                            "it for a comment on the next one; put it above")
             at = match.end()
 
     def refuse(self, sentence):
@@ -88,6 +114,22 @@ class Parser:
     def name(self, what):
         return self.expect(r"[A-Za-z_]\w*", what)
 
+    def new_name(self, struct, what):
+        """A name for something in the struct, with which subscribers can compile it."""
+        name = self.name(f"the name of a {what}")
+        full_name = f"{struct.full_name}.{name}"
+        owner = RESERVED.get(spelling(name))
+        if name in struct.names:
+            self.refuse(f"{what} {name} is there twice; rename one")
+        if name.startswith("_") or name == struct.name:
+            self.refuse(f"{what} {name} has the name of the struct or begins with '_', as names of "
+                        "generated code do; rename it")
+        if owner and full_name not in GIVEN:
+            self.refuse(f"{what} {name} is under '{owner}' in reserved.txt: in that language the "
+                        "type does not compile; rename it")
+        struct.names.add(name)
+        return name
+
     def structs(self):
         self.expect("package", "package")
         package = self.name("the name of the package")
@@ -106,17 +148,17 @@ class Parser:
         self.expect("{", "'{'")
         while not self.skip("}"):
             if self.skip("const"):
-                self.read_constant()
+                self.read_constant(struct)
             else:
                 self.read_member(struct, known)
         if not struct.members:
             self.refuse(f"struct {struct.name} has no members, expected one or more; "
                         "add one or remove it")
 
-    def read_constant(self):
+    def read_constant(self, struct):
         """Skip constants, which are no part of a message."""
         self.expect("int32_t", "int32_t, the type of our constants")
-        self.name("the name of a constant")
+        self.new_name(struct, "constant")
         self.expect("=", "'='")
         self.expect(r"\d+", "a number")
         self.expect(";", "';'")
@@ -126,9 +168,7 @@ class Parser:
         if lcm_type not in KINDS and lcm_type not in known:
             self.refuse(f"type {lcm_type}, expected one of {', '.join(KINDS)} or a struct that is "
                         "declared above; use one of them, or teach message_table.py")
-        name = self.name("the name of a member")
-        if any(name == member.name for member in struct.members):
-            self.refuse(f"member {name} is there twice; rename one")
+        name = self.new_name(struct, "member")
         member = Member(name, KINDS.get(lcm_type, "STRUCT"), known.get(lcm_type))
         member.lcm_type = "" if member.struct else lcm_type
         if self.skip("["):

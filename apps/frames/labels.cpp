@@ -77,7 +77,7 @@ class Cells
         double value = 0;
         if (!parse(cell, value))
             fail(row, column, "a decimal number" + remedy_of(cell));
-        return value;
+        return std::isfinite(value) ? value : std::nan("");
     }
 
     [[noreturn]] void fail(const CsvRow &row, const char *column, const std::string &expected) const
@@ -303,7 +303,6 @@ Labels::Labels(const fs::path &csv, const LabelOptions &options)
     require_columns(csv_, cells);
     Positions positions(cells, options);
     by_file_ = cells.has("file");
-    timed_ = cells.has("utime");
     for (const CsvRow &row : table.rows) {
         const char *const key = by_file_ ? "file" : "frame";
         const size_t number = rows_.size();
@@ -315,7 +314,7 @@ Labels::Labels(const fs::path &csv, const LabelOptions &options)
                        "each one only once; it is also in line " + std::to_string(lines_[place]));
         Label &label = rows_.emplace_back();
         lines_.push_back(row.line);
-        if (timed_)
+        if (cells.has("utime"))
             label.utime = cells.whole<int64_t>(row, "utime");
         label.place = place_of(cells, row);
         positions.read(row, number, drive_of(cells, row), label);
@@ -373,6 +372,26 @@ void Labels::require_row_in(const fs::path &file) const
                                : "its first row is about '" + names_.name(0) +
                                      "', the first picture is '" + file.filename().string() + "'") +
                 ", expected names relative to the table or to the folder of the pictures");
+}
+
+std::vector<fs::path> Labels::others_below(const fs::path &folder,
+                                           const std::vector<fs::path> &files) const
+{
+    return by_file_ ? names_.others_below(folder, files) : std::vector<fs::path>{};
+}
+
+std::vector<int64_t> Labels::frame_utimes() const
+{
+    std::vector<int64_t> utimes;
+    for (const auto &[frame, row] : frames_)
+        if (rows_[row].utime)
+            utimes.push_back(*rows_[row].utime);
+    return utimes;
+}
+
+uint64_t Labels::numbered_frames() const
+{
+    return frames_.empty() ? 0 : frames_.rbegin()->first + 1;
 }
 
 void Labels::finish() const

@@ -53,8 +53,15 @@ class Labels
     // At the end of a source. Throws Error if find() never found a row.
     void finish() const;
 
-    // True if the rows have times: a frame without a row then has none.
-    bool timed() const { return timed_; }
+    // Files in `folder` or below that rows are about, other than `files`, which are in the folder.
+    std::vector<std::filesystem::path>
+    others_below(const std::filesystem::path &folder,
+                 const std::vector<std::filesystem::path> &files) const;
+    // The stamps of a table that numbers frames, in the order of these numbers.
+    std::vector<int64_t> frame_utimes() const;
+    // One more than the largest frame number; 0 for a table of files.
+    uint64_t numbered_frames() const;
+
     // What was left out: "4 fixes left out: 3 at 0,0, 1 beyond the globe"; "" if nothing.
     const std::string &note() const { return note_; }
 
@@ -63,7 +70,6 @@ class Labels
 
     std::string csv_;
     bool by_file_ = false;
-    bool timed_ = false;
     std::string note_;
     std::vector<Label> rows_;
     std::vector<size_t> lines_;                       // of the rows

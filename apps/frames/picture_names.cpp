@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
+#include <set>
 
 #include <utf8proc.h>
 
@@ -158,6 +159,23 @@ bool PictureNames::looks_like_another(const fs::path &path) const
              file.increment(failure))
             spellings[alike_spelling(file->path().filename().string())]++;
     return spellings[alike_spelling(path.filename().string())] > 1;
+}
+
+std::vector<fs::path> PictureNames::others_below(const fs::path &folder,
+                                                 const std::vector<fs::path> &files) const
+{
+    std::set<size_t> known;
+    for (const fs::path &file : files)
+        if (const std::optional<size_t> row = find(file))
+            known.insert(*row);
+    const std::string below = resolved(folder / "").string();
+    std::vector<fs::path> others;
+    for (size_t row = 0; row < rows_.size(); row++) {
+        const std::string file = rows_[row].file.string();
+        if (known.count(row) == 0 && file.compare(0, below.size(), below) == 0)
+            others.push_back(folder / file.substr(below.size()));
+    }
+    return others;
 }
 
 std::optional<size_t> PictureNames::not_utf8() const

@@ -25,6 +25,11 @@ class PictureNames
     // no other file: accents composed or not, letter case, backslashes.
     std::optional<size_t> find(const std::filesystem::path &file) const;
 
+    // The files in `folder` or below that rows are about, other than `files`, which are in it.
+    std::vector<std::filesystem::path>
+    others_below(const std::filesystem::path &folder,
+                 const std::vector<std::filesystem::path> &files) const;
+
     // As in the table.
     const std::string &name(size_t row) const { return rows_[row].name; }
     // The first row whose name is not UTF-8.

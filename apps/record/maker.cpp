@@ -119,6 +119,7 @@ vdna_experience Maker::experience_of(const Draft &draft) const
     e.frame_grey = r.grey.data();
     r.position_frame.copy(e.position_frame, sizeof e.position_frame - 1);
     r.order.copy(e.order, sizeof e.order - 1);
+    vdna_name_replace(e.order);
     return e;
 }
 

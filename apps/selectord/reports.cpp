@@ -1,8 +1,11 @@
 #include "selectord/reports.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
+#include <vdna/geodesy.h>
 #include <vdna/version.h>
 
 namespace vdna::selectord
@@ -64,11 +67,30 @@ vdna_msg_localisation_t no_position(int64_t utime, int32_t validity)
     message.utime = utime;
     message.validity = validity;
     message.experience = borrow("");
+    message.position_frame = borrow("");
     message.frame = -1;
     message.distance = not_known;
     message.predicted_recall = not_known;
     return message;
 }
+
+namespace
+{
+
+// Positions go out as they came: Earth-centred ones as degrees and height, local ones as metres.
+void fill_position(const vdna_experience &map, const double *position,
+                   vdna_msg_localisation_t &message)
+{
+    double *const out = message.position;
+    message.has_position = 1;
+    message.position_frame = borrow(map.position_frame);
+    if (std::strcmp(map.position_frame, VDNA_FRAME_WGS84) == 0)
+        vdna_geodesy_from_ecef(position, &out[0], &out[1], &out[2]);
+    else
+        std::copy(position, position + 3, out);
+}
+
+} // namespace
 
 vdna_msg_localisation_t position_in(const vdna_experience &chosen, const vdna_knn_match &match,
                                     int64_t utime)
@@ -81,11 +103,10 @@ vdna_msg_localisation_t position_in(const vdna_experience &chosen, const vdna_kn
         message.has_place = 1;
         message.place = chosen.frame_place[match.index];
     }
-    if (chosen.frame_position && !std::isnan(chosen.frame_position[size_t{3} * match.index])) {
-        message.has_position = 1;
-        for (size_t axis = 0; axis < 3; axis++)
-            message.position[axis] = chosen.frame_position[3 * size_t{match.index} + axis];
-    }
+    const double *const position =
+        chosen.frame_position ? chosen.frame_position + size_t{3} * match.index : nullptr;
+    if (position && !std::isnan(position[0]))
+        fill_position(chosen, position, message);
     message.distance = std::sqrt(match.distance_sq);
     return message;
 }
@@ -111,20 +132,21 @@ void fill_counters(const Health &health, vdna_msg_status_t &message)
     message.refused = static_cast<int64_t>(health.refused);
     message.skipped = static_cast<int64_t>(counters.skipped);
     message.oversized = static_cast<int64_t>(counters.oversized);
+    message.late = 0;
     message.rejected = static_cast<int64_t>(counters.rejected);
     message.restarts = static_cast<int64_t>(vdna_select_restarts(&health.select));
 }
 
 void fill_stages(const Stages &stages, vdna_msg_status_t &message)
 {
-    message.queue = duration_of(stages.queue);
-    message.decode = duration_of(stages.decode);
-    message.resize = duration_of(stages.resize);
-    message.inference = duration_of(stages.inference);
-    message.select = duration_of(stages.select);
-    message.rank = duration_of(stages.rank);
-    message.publish = duration_of(stages.publish);
-    message.total = duration_of(stages.total);
+    message.queue_time = duration_of(stages.queue);
+    message.decode_time = duration_of(stages.decode);
+    message.resize_time = duration_of(stages.resize);
+    message.inference_time = duration_of(stages.inference);
+    message.select_time = duration_of(stages.select);
+    message.rank_time = duration_of(stages.rank);
+    message.publish_time = duration_of(stages.publish);
+    message.total_time = duration_of(stages.total);
 }
 
 void fill_memory(const Health &health, vdna_msg_status_t &message)

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdarg>
 #include <cstdio>
+#include <string_view>
 
 #include <vdna_messages.h>
 #include <vdna_msg_localisation_t.h>
@@ -63,14 +64,14 @@ struct NamedStage {
 // In the order in which a frame passes them.
 std::array<NamedStage, 8> stages_of(const vdna_msg_status_t &message)
 {
-    return {{{"queue", &message.queue},
-             {"decode", &message.decode},
-             {"resize", &message.resize},
-             {"inference", &message.inference},
-             {"select", &message.select},
-             {"rank", &message.rank},
-             {"publish", &message.publish},
-             {"total", &message.total}}};
+    return {{{"queue", &message.queue_time},
+             {"decode", &message.decode_time},
+             {"resize", &message.resize_time},
+             {"inference", &message.inference_time},
+             {"select", &message.select_time},
+             {"rank", &message.rank_time},
+             {"publish", &message.publish_time},
+             {"total", &message.total_time}}};
 }
 
 nlohmann::ordered_json json_of(const vdna_msg_duration_t &duration)
@@ -79,6 +80,15 @@ nlohmann::ordered_json json_of(const vdna_msg_duration_t &duration)
             {"p50_us", duration.p50_us},
             {"p99_us", duration.p99_us},
             {"max_us", duration.max_us}};
+}
+
+// A position with its unit: enough digits for a centimetre.
+std::string position_text(const vdna_msg_localisation_t &message)
+{
+    const double *const at = message.position;
+    if (std::string_view(message.position_frame) == "wgs84")
+        return format("%.7f %.7f, height %.2f m", at[0], at[1], at[2]);
+    return format("%.2f %.2f %.2f m in %s", at[0], at[1], at[2], message.position_frame);
 }
 
 // A table, one line per experience.
@@ -104,8 +114,7 @@ std::string text_of(const vdna_msg_localisation_t &message)
         if (message.has_place)
             text += format(", place %lld", static_cast<long long>(message.place));
         if (message.has_position)
-            text += format(", position %.2f %.2f %.2f m", message.position[0], message.position[1],
-                           message.position[2]);
+            text += ", position " + position_text(message);
     }
     return text + format(" (%.1f ms)", ms(message.latency_us));
 }
@@ -117,11 +126,12 @@ std::string text_of(const vdna_msg_status_t &message)
     const auto mb = [](int64_t bytes) { return static_cast<double>(bytes) / 1e6; };
     std::string text = format(
         "status       %s %.0f %%%s%s, received %lld, processed %lld, skipped %lld, refused %lld, "
-        "oversized %lld, rejected %lld, %.0f MB, at most %.0f MB",
+        "oversized %lld, late %lld, rejected %lld, %.0f MB, at most %.0f MB",
         state_of(message), 100 * message.progress, message.experience[0] ? " " : "",
         message.experience, number(message.received), number(message.processed),
         number(message.skipped), number(message.refused), number(message.oversized),
-        number(message.rejected), mb(message.resident_bytes), mb(message.resident_bytes_max));
+        number(message.late), number(message.rejected), mb(message.resident_bytes),
+        mb(message.resident_bytes_max));
     if (message.processed > 0) {
         text += "\n             ms, median/99th percentile/longest:";
         for (const auto &[name, stage] : stages_of(message))
@@ -162,6 +172,7 @@ nlohmann::ordered_json json_of(const vdna_msg_localisation_t &message)
                                 {"frame", nullptr},
                                 {"frame_utime", nullptr},
                                 {"place", nullptr},
+                                {"position_frame", nullptr},
                                 {"position", nullptr},
                                 {"distance", nullptr},
                                 {"predicted_recall", message.predicted_recall},
@@ -175,8 +186,10 @@ nlohmann::ordered_json json_of(const vdna_msg_localisation_t &message)
     json["distance"] = message.distance;
     if (message.has_place)
         json["place"] = message.place;
-    if (message.has_position)
+    if (message.has_position) {
+        json["position_frame"] = message.position_frame;
         json["position"] = message.position;
+    }
     return json;
 }
 
@@ -195,6 +208,7 @@ nlohmann::ordered_json json_of(const vdna_msg_status_t &message)
                                 {"refused", message.refused},
                                 {"skipped", message.skipped},
                                 {"oversized", message.oversized},
+                                {"late", message.late},
                                 {"rejected", message.rejected},
                                 {"restarts", message.restarts}};
     for (const auto &[name, duration] : stages_of(message))

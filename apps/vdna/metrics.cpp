@@ -4,6 +4,7 @@
 #include "eval/published_table.hpp"
 #include "report/result_json.hpp"
 #include "report/result_tables.hpp"
+#include "report/wording.hpp"
 #include "vdna/commands.hpp"
 
 namespace vdna::tool
@@ -50,7 +51,8 @@ void report(const MetricsOptions &options)
     program::Json methods = program::Json::object();
     for (const eval::MethodResult &result : results)
         methods[result.name] = report::json_of(result.metrics);
-    program::print_json({{"methods", methods}});
+    program::print_json(
+        {{"methods", methods}, {"note", report::left_out_text(results.front().metrics)}});
 }
 
 } // namespace

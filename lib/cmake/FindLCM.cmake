@@ -4,6 +4,10 @@
 # For an LCM elsewhere set CMAKE_PREFIX_PATH, as usual.
 find_path(LCM_INCLUDE_DIR lcm/lcm.h)
 find_library(LCM_LIBRARY lcm)
+# First the lcm-gen of the same LCM: with `pip install lcm` there is another one on the path, whose
+# C++ does not compile with the headers of 1.3.1.
+cmake_path(GET LCM_INCLUDE_DIR PARENT_PATH _lcm_prefix)
+find_program(LCM_GEN_EXECUTABLE lcm-gen PATHS "${_lcm_prefix}/bin" NO_DEFAULT_PATH)
 find_program(LCM_GEN_EXECUTABLE lcm-gen)
 mark_as_advanced(LCM_INCLUDE_DIR LCM_LIBRARY LCM_GEN_EXECUTABLE)
 

@@ -255,6 +255,6 @@ def image_message(utime, data):
 
 def localisation_message(utime):
     """A vdna_msg.localisation_t that says WARMING_UP."""
-    fingerprint = 0xDCE0E162D5578A9D
-    return struct.pack(">QqiI1siqbqb3dddqq", fingerprint, utime, 1, 1, b"\0", -1, 0, 0, 0, 0,
-                       0, 0, 0, 0, 0, 0, 0)
+    fingerprint = 0x046A6F5BAC763B02
+    return struct.pack(">QqiI1siqbqbI1s3dddqq", fingerprint, utime, 1, 1, b"\0", -1, 0, 0, 0, 0,
+                       1, b"\0", 0, 0, 0, 0, 0, 0, 0)

@@ -358,7 +358,8 @@ class Info(Scratch):
         self.vdna("build", "map", "a")
         told = self.vdna_json("info", "map/a.vdna")["experiences"][0]
         file = Experience(self.folder / "map/a.vdna")
-        self.assertEqual(told["labels"], {"position_m": [[-3, 5], [2, 6], [0, 0]]})
+        self.assertEqual(told["labels"], {
+            "position_frame": "local", "x": [-3, 5], "y": [2, 6], "z": [0, 0]})
         self.assertEqual(told["mass"], [3, 3])
         self.assertEqual(told["utime"], [0, 200000])
         self.assertEqual(told["bytes"], (self.folder / "map/a.vdna").stat().st_size)
@@ -541,8 +542,9 @@ class Localise(Scratch):
     def test_missing_labels_are_refused(self):
         self.assertIn("nowhere.csv",
                       self.refused("localise", "a", "map", "--labels", "nowhere.csv"))
-        (self.folder / "places.csv").write_text("file,place\na/000.ppm,1\n")
-        self.assertIn("001.ppm", self.refused("localise", "a", "map", "--labels", "places.csv"))
+        (self.folder / "places.csv").write_text("file,place\nd/000.png,1\n")
+        self.assertIn("'d/000.png'",
+                      self.refused("localise", "a", "map", "--labels", "places.csv"))
 
 
 class CommandLine(Scratch):

@@ -198,7 +198,7 @@ class Network(WithConfiguration):
         self.assertEqual(sent + 1, len(answers) + sum(answer["skipped"] for answer in answers))
         for found in watch.of("status"):
             self.assertEqual(found["received"], found["processed"] + found["refused"] +
-                             found["skipped"] + found["oversized"])
+                             found["skipped"] + found["oversized"] + found["late"])
         self.assertEqual((status["received"], status["oversized"]), (sent + 1, sent // 10))
         self.assertEqual(status["processed"] + status["refused"], len(answers))
         self.assertGreater(status["skipped"], 0)

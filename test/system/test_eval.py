@@ -316,9 +316,9 @@ class Results(OwnSet):
         self.evaluate(self.dataset, "--csv", self.folder / "result.csv")
         lines = (self.folder / "result.csv").read_text().splitlines()
         self.assertEqual(lines[0], "query,reference,recall_percent,good,total,unreachable,"
-                                   "distance_vdna,distance_fd,distance_pixel")
+                                   "distance_vdna,distance_fd,distance_pixel,without_truth,note")
         self.assertEqual(len(lines), 1 + 3 * 3)
-        self.assertRegex(lines[3], r"^dawn,all,[\d.]+,\d+,8,0,,,$")
+        self.assertRegex(lines[3], r"^dawn,all,[\d.]+,\d+,8,0,,,,0,$")
 
     def test_misplaced_references_are_marked_where_there_is_no_colour(self):
         # The live warmup looks like dusk by its grey level, but its places are those of noon.

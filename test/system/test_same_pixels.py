@@ -139,7 +139,8 @@ def logger(path):
     """lcm-logger, which records the camera's channel; it listens once this is entered."""
     with contextlib.suppress(FileNotFoundError):
         os.unlink(path)
-    process = subprocess.Popen(["lcm-logger", "--channel=CAMERA", "--force", path],
+    # By its path: the lcm-logger of `pip install lcm` is a script, which leaves its child behind.
+    process = subprocess.Popen([os.environ["VDNA_LCM_LOGGER"], "--channel=CAMERA", "--force", path],
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         deadline = time.monotonic() + PATIENCE

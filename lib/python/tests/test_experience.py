@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import SHA256, small_experience
 
-from libvdna import Experience, Status, VdnaError, emd_mean, open_map
+from libvdna import PLACE_NONE, Experience, Status, VdnaError, emd_mean, open_map
 
 ARRAYS = ["embeddings", "frame_utime", "frame_grey", "frame_place", "frame_position"]
 TEXTS = ["name", "backbone", "model_sha256", "preprocessing", "precision", "taps"]
@@ -42,6 +42,26 @@ def test_labels_may_be_left_out(tmp_path):
     small_experience(frame_place=None, frame_position=None).write(tmp_path / "winter.vdna")
     read = Experience.open(tmp_path / "winter.vdna")
     assert read.frame_place is None and read.frame_position is None
+    assert (read.position_frame, read.order) == ("", "")
+
+
+@pytest.mark.parametrize(
+    "position, said, frame",
+    [
+        ([[0, 0, 0], [1, 2, 3]], "", "local"),
+        ([[6378137, 0, 0], [np.nan] * 3], "", "wgs84"),
+        ([[0, 0, 0], [1, 2, 3]], "hall-3", "hall-3"),
+    ],
+)
+def test_positions_have_a_frame_and_may_be_missing(position, said, frame, tmp_path):
+    place = np.array([PLACE_NONE, 18])
+    small_experience(
+        frame_place=place, frame_position=np.array(position), position_frame=said, order="utime"
+    ).write(tmp_path / "winter.vdna")
+    read = Experience.open(tmp_path / "winter.vdna")
+    assert (read.position_frame, read.order) == (frame, "utime")
+    np.testing.assert_array_equal(read.frame_place, place)
+    np.testing.assert_array_equal(read.frame_position, np.array(position))
 
 
 def test_arrays_are_the_file_itself_and_keep_it_mapped(tmp_path):
@@ -122,6 +142,8 @@ def test_what_breaks_the_rules_is_not_written(changes, status, tmp_path):
         {"frame_grey": [1, 2, 3]},
         {"frame_place": [1]},
         {"frame_position": [[1, 2], [3, 4]]},
+        {"position_frame": "f" * 64},
+        {"order": "o" * 32},
     ],
 )
 def test_lengths_that_c_would_trust_are_checked(changes):

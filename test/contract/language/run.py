@@ -10,7 +10,6 @@ All that is made goes to $VDNA_WORK and is used again. Exit code 77 = skipped: a
 a package is not yet here and there is no network.
 """
 
-import hashlib
 import os
 import pathlib
 import re
@@ -19,46 +18,18 @@ import subprocess
 import sys
 import tomllib
 
+from tools import require_tool, run, virtual_environment
+
 SOURCE = pathlib.Path(os.environ["VDNA_SOURCE"])
 LIBRARY = pathlib.Path(os.environ["VDNA_LIBRARY"]).parent
 WORK = pathlib.Path(os.environ["VDNA_WORK"])
 EXAMPLES = SOURCE / "apps/examples"
 WHEEL = SOURCE / "lib/python"
 
-# What package managers say when they cannot reach their registry.
-OFFLINE = re.compile(
-    "NewConnectionError|Name or service not known|Temporary failure in name resolution"
-    "|Network is unreachable|ConnectTimeout|Unknown host|Connect timed out|Connection refused"
-)
-
-
-def skip(reason):
-    print("skipped:", reason)
-    sys.exit(77)
-
-
-def run(*command, fetches=False, **options):
-    """Run a command to its end and give what it printed; its failure is ours."""
-    command = [str(part) for part in command]
-    done = subprocess.run(
-        command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False, **options
-    )
-    if done.returncode == 0:
-        return done.stdout
-    print(f"{' '.join(command)}\nexited with {done.returncode}\n{done.stdout}{done.stderr}")
-    if fetches and OFFLINE.search(done.stdout + done.stderr):
-        skip("a package is missing, and its registry cannot be reached")
-    sys.exit(1)
-
 
 def copy_of(example):
     """The example in $VDNA_WORK: some tools write beside their sources."""
     return shutil.copytree(EXAMPLES / example, WORK / example, dirs_exist_ok=True)
-
-
-def require_tool(path, name):
-    if path.endswith("-NOTFOUND"):
-        skip(f"no {name}; install one, in any way")
 
 
 def check_rank(output):
@@ -77,19 +48,19 @@ def rank_c(program):
 
 
 def rank_rust(cargo):
-    require_tool(cargo, "cargo")
+    require_tool(cargo, "cargo", "install one, in any way")
     environment = with_library(RUSTFLAGS=f"-D warnings -L {LIBRARY}")
     check_rank(run(cargo, "run", "--quiet", "--offline", cwd=copy_of("rust"), env=environment))
 
 
 def rank_go(go):
-    require_tool(go, "go")
+    require_tool(go, "go", "install one, in any way")
     flags = {"CGO_CFLAGS": f"-I{SOURCE}/lib/include", "CGO_LDFLAGS": f"-L{LIBRARY}"}
     check_rank(run(go, "run", ".", cwd=copy_of("go"), env=with_library(**flags)))
 
 
 def rank_java(maven):
-    require_tool(maven, "mvn")
+    require_tool(maven, "mvn", "install one, in any way")
     # exec:java by its full name: Maven asks its registry what "exec" stands for.
     execute = "org.codehaus.mojo:exec-maven-plugin:java"
     goals = ["--quiet", "--batch-mode", "compile", execute, f"-Djna.library.path={LIBRARY}"]
@@ -107,27 +78,11 @@ def rank_java(maven):
 
 
 def environment():
-    """A virtual environment with what building and testing the wheel needs; made once."""
+    """A virtual environment with what building and testing the wheel needs."""
     with open(WHEEL / "pyproject.toml", "rb") as file:
         project = tomllib.load(file)
     packages = [*project["build-system"]["requires"], *project["project"]["dependencies"]]
-    packages += ["pytest", "mypy"]
-    folder = WORK / "environment"
-    stamp = folder / hashlib.sha256(" ".join(packages).encode()).hexdigest()
-    if not stamp.exists():
-        made = subprocess.run(
-            [sys.executable, "-m", "venv", "--clear", folder],
-            text=True,
-            capture_output=True,
-            check=False,
-        )
-        if made.returncode != 0:
-            skip(
-                f"cannot make a virtual environment; on Debian, install python3-venv\n{made.stdout}"
-            )
-        run(folder / "bin/pip", "install", "--quiet", *packages, fetches=True)
-        stamp.touch()
-    return folder / "bin"
+    return virtual_environment(WORK / "environment", *packages, "pytest", "mypy")
 
 
 def install_wheel():

@@ -12,6 +12,8 @@ from pathlib import Path
 
 PROGRAMS = os.environ["VDNA_PROGRAMS"] == "ON"
 BACKBONE = os.environ["VDNA_BACKBONE"] == "ON"
+# Made where there is a Java compiler.
+TYPES_JAR = ("share/java/vdna_lcmtypes.jar",) if os.environ["VDNA_TYPES_JAR"] == "1" else ()
 DEBS = sorted(Path(os.environ["VDNA_STAGE"], "debs").glob("*.deb"))
 
 if not DEBS:
@@ -76,7 +78,7 @@ class TheDebs(unittest.TestCase):
     @unittest.skipUnless(PROGRAMS, "needs the programs")
     def test_have_what_their_names_promise(self):
         for package, paths in {
-            "vdna": ("bin/vdna", "share/man/man1/vdna.1.gz"),
+            "vdna": ("bin/vdna", "share/man/man1/vdna.1.gz", *TYPES_JAR),
             "vdna-selectord": ("sbin/vdna_selectord", "share/man/man8/vdna_selectord.8.gz",
                                "lib/systemd/system/vdna_selectord.service",
                                "share/vdna/lcmtypes/image.lcm"),

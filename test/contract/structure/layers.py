@@ -37,7 +37,7 @@ ROOMS = {
     "apps/vdna": (11, ["apps/eval", "apps/frames", "apps/program", "apps/record", "apps/report",
                        "apps/simulate", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
                        "lib/geodesy", "lib/transport"]),
-    "apps/selectord": (11, ["apps/program", "lib/backbone", "lib/core", "lib/cpp", "lib/map",
+    "apps/selectord": (11, ["apps/program", "lib/backbone", "lib/core", "lib/cpp", "lib/geodesy", "lib/map",
                             "lib/select", "lib/transport"]),
 }
 

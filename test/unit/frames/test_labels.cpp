@@ -361,6 +361,29 @@ void a_table_of_other_frames_is_told_at_the_end(void **)
     fail_msg("a table of other frames was accepted");
 }
 
+void rows_about_other_files_of_a_folder_are_known(void **)
+{
+    const std::string composed = "K\xC3\xA4"
+                                 "fer.jpg",
+                      decomposed = "Ka\xCC\x88"
+                                   "fer.jpg";
+    const Pictures at({"a.jpg", decomposed});
+    const std::filesystem::path folder = at.path() / "pictures";
+    const Labels labels(at.write("t.csv", "file,place\npictures/a.jpg,1\npictures/" + composed +
+                                              ",2\npictures/gone.jpg,3\npictures/sub/b.jpg,4\n"
+                                              "elsewhere/c.jpg,5\n"));
+    const std::vector<std::filesystem::path> others =
+        labels.others_below(folder, {folder / "a.jpg", folder / decomposed});
+    assert_int_equal(others.size(), 2);
+    assert_string_equal(others[0].c_str(), (folder / "gone.jpg").c_str());
+    assert_string_equal(others[1].c_str(), (folder / "sub/b.jpg").c_str());
+    const Table frames("frame,utime\n7,70\n3,30\n");
+    assert_true(Labels(frames.csv).others_below(frames.path(), {}).empty());
+    assert_true(Labels(frames.csv).frame_utimes() == (std::vector<int64_t>{30, 70}));
+    assert_int_equal(Labels(frames.csv).numbered_frames(), 8);
+    assert_int_equal(labels.numbered_frames(), 0);
+}
+
 void a_bare_name_of_a_table_is_a_file_of_the_working_folder(void **)
 {
     const Table table("file,place\na.jpg,7\n");
@@ -507,6 +530,7 @@ int main()
         cmocka_unit_test(names_that_fit_two_pictures_or_two_rows_match_none),
         cmocka_unit_test(a_table_of_other_pictures_names_both_spellings),
         cmocka_unit_test(a_table_of_other_frames_is_told_at_the_end),
+        cmocka_unit_test(rows_about_other_files_of_a_folder_are_known),
         cmocka_unit_test(a_bare_name_of_a_table_is_a_file_of_the_working_folder),
         cmocka_unit_test(a_cell_that_is_no_number_names_the_likely_cause),
         cmocka_unit_test(other_separators_and_encodings_are_named),

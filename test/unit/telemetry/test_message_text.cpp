@@ -2,6 +2,10 @@
 #include <algorithm>
 #include <set>
 #include <string>
+#include <utility>
+
+#include <vdna_messages.h>
+#include <vdna_msg_localisation_t.h>
 
 #include "cmocka.hpp"
 #include "message_sample.h"
@@ -49,6 +53,54 @@ void a_value_of_a_later_version_is_shown_as_unknown(void **)
     }
 }
 
+const View &view_of(const vdna_message_type &type)
+{
+    return *std::find_if(views().begin(), views().end(),
+                         [&](const View &view) { return view.type == &type; });
+}
+
+// The text and JSON of a valid answer with a position in this frame.
+std::pair<std::string, nlohmann::ordered_json> answer_in(const char *frame)
+{
+    char experience[] = "snow";
+    std::string name = frame;
+    vdna_msg_localisation_t answer{};
+    answer.validity = VDNA_MSG_LOCALISATION_T_VALID;
+    answer.experience = experience;
+    answer.has_position = 1;
+    answer.position_frame = name.data();
+    answer.position[0] = 48.12345678;
+    answer.position[1] = -11.5;
+    answer.position[2] = 519.25;
+    const View &view = view_of(vdna_message_localisation);
+    return {view.text(&answer), view.json(&answer)};
+}
+
+void a_position_on_the_globe_is_shown_in_degrees_to_the_centimetre(void **)
+{
+    const auto [text, json] = answer_in("wgs84");
+    assert_true(text.find("position 48.1234568 -11.5000000, height 519.25 m") != std::string::npos);
+    assert_string_equal(json["position_frame"].get<std::string>().c_str(), "wgs84");
+    assert_true(json["position"] == nlohmann::ordered_json({48.12345678, -11.5, 519.25}));
+}
+
+void a_position_in_a_local_frame_is_shown_in_metres_with_the_frame(void **)
+{
+    const auto [text, json] = answer_in("depot");
+    assert_true(text.find("position 48.12 -11.50 519.25 m in depot") != std::string::npos);
+    assert_string_equal(json["position_frame"].get<std::string>().c_str(), "depot");
+}
+
+void the_frames_that_came_too_late_are_shown(void **)
+{
+    void *const status = sample_new(&vdna_message_status);
+    const View &view = view_of(vdna_message_status);
+    assert_true(view.text(status).find(", late " + std::to_string(sample_number)) !=
+                std::string::npos);
+    assert_int_equal(view.json(status)["late"].get<int64_t>(), sample_number);
+    sample_free(&vdna_message_status, status);
+}
+
 void every_kind_of_message_has_a_type_a_name_and_a_channel_of_its_own(void **)
 {
     std::set<const vdna_message_type *> types;
@@ -70,6 +122,9 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_message_is_shown_as_the_type_that_it_is),
         cmocka_unit_test(a_value_of_a_later_version_is_shown_as_unknown),
+        cmocka_unit_test(a_position_on_the_globe_is_shown_in_degrees_to_the_centimetre),
+        cmocka_unit_test(a_position_in_a_local_frame_is_shown_in_metres_with_the_frame),
+        cmocka_unit_test(the_frames_that_came_too_late_are_shown),
         cmocka_unit_test(every_kind_of_message_has_a_type_a_name_and_a_channel_of_its_own),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

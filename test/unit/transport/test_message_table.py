@@ -13,7 +13,7 @@ GOOD = """\
 package demo;
 
 struct point_t {
-    double at[2]; // metres
+    double at[2];
 }
 struct beat_t {
     const int32_t FAST = 1;
@@ -110,6 +110,23 @@ class MessageTable(unittest.TestCase):
     def test_names_are_unique(self):
         self.refused(self.changed("boolean is_even", "boolean utime"), 14, "utime", "twice")
         self.refused(GOOD + "struct point_t { byte a; }\n", 17, "point_t", "twice")
+
+    def test_no_name_breaks_the_code_that_lcm_gen_writes(self):
+        for name, owner in (("decode", "generated C++"), ("marshal_binary", "generated Go"),
+                            ("errno", "C"), ("lambda", "Python"), ("final", "Java"),
+                            ("end", "Lua"), ("params", "C#"), ("select", "Go")):
+            self.refused(self.changed("boolean is_even", f"boolean {name}"), 14,
+                         f"member {name} ", f"'{owner}'", "rename")
+        self.refused(self.changed("FAST", "True"), 8, "constant True ")
+        self.refused(self.changed("boolean is_even", "boolean FAST"), 14, "FAST", "twice")
+        self.refused(self.changed("boolean is_even", "boolean _even"), 14, "_even", "begins")
+        self.refused(self.changed("boolean is_even", "boolean beat_t"), 14, "beat_t", "struct")
+
+    def test_only_the_picture_of_camera_drivers_has_a_size(self):
+        self.refused(self.changed("boolean is_even", "boolean size"), 14, "member size ", "'generated Go'")
+
+    def test_a_comment_stands_above_what_it_explains(self):
+        self.refused(self.changed("int64_t utime;", "int64_t utime; // us"), 10, "'// us'", "above")
 
     def test_a_struct_without_members_is_refused(self):
         self.refused(self.changed("double at[2];", ""), 6, "point_t", "no members")

@@ -439,6 +439,7 @@ static void a_published_localisation_passes_the_check_and_decodes_to_itself(void
     assert_int_equal(answer.has_place, 1);
     assert_int_equal(answer.place, 99);
     assert_int_equal(answer.has_position, 1);
+    assert_string_equal(answer.position_frame, "local");
     assert_memory_equal(answer.position, sample_localisation.position, sizeof answer.position);
     assert_true(answer.distance == 0.125);
     assert_true(answer.predicted_recall == 0.5);
@@ -462,8 +463,10 @@ static void a_published_status_passes_the_check_and_decodes_to_itself(void **sta
     assert_string_equal(status.version, "0.1.0");
     assert_int_equal(status.received, 100);
     assert_int_equal(status.oversized, 1);
-    assert_memory_equal(&status.inference, &sample_status.inference, sizeof status.inference);
-    assert_memory_equal(&status.total, &sample_status.total, sizeof status.total);
+    assert_int_equal(status.late, 5);
+    assert_memory_equal(&status.inference_time, &sample_status.inference_time,
+                        sizeof status.inference_time);
+    assert_memory_equal(&status.total_time, &sample_status.total_time, sizeof status.total_time);
     assert_int_equal(status.resident_bytes, 50000000);
     assert_int_equal(status.backlog_max, 5);
     assert_string_equal(status.message, "");

@@ -1,0 +1,81 @@
+// Localisation messages: the place and the position of a map frame.
+#include <cmath>
+#include <cstring>
+
+#include <vdna/geodesy.h>
+
+#include "cmocka.hpp"
+#include "selectord/reports.hpp"
+
+namespace
+{
+
+// An experience of two frames, the second without ground truth.
+struct Chosen {
+    explicit Chosen(const char *frame, double x, double y, double z)
+        : positions{x, y, z, NAN, NAN, NAN}
+    {
+        std::strcpy(experience.name, "winter");
+        std::strcpy(experience.position_frame, frame);
+        experience.frames = 2;
+        experience.frame_utime = utimes;
+        experience.frame_place = places;
+        experience.frame_position = positions;
+    }
+    vdna_msg_localisation_t message(uint32_t frame) const
+    {
+        return vdna::selectord::position_in(experience, {4, frame, 0}, 7);
+    }
+    int64_t utimes[2] = {10, 20};
+    int64_t places[2] = {3, VDNA_PLACE_NONE};
+    double positions[6];
+    vdna_experience experience{};
+};
+
+void a_local_position_goes_out_in_metres_with_its_frame(void **)
+{
+    const Chosen chosen("hall-3", 1, 2, 3);
+    const vdna_msg_localisation_t message = chosen.message(0);
+    assert_int_equal(message.has_place, 1);
+    assert_int_equal(message.place, 3);
+    assert_int_equal(message.has_position, 1);
+    assert_string_equal(message.position_frame, "hall-3");
+    assert_true(message.position[0] == 1 && message.position[1] == 2 && message.position[2] == 3);
+    assert_true(message.distance == 2);
+}
+
+void gps_goes_out_in_degrees_as_it_came(void **)
+{
+    double ecef[3];
+    vdna_geodesy_to_ecef(48.1, 11.5, 531.8, ecef);
+    const Chosen chosen(VDNA_FRAME_WGS84, ecef[0], ecef[1], ecef[2]);
+    const vdna_msg_localisation_t message = chosen.message(0);
+    assert_string_equal(message.position_frame, VDNA_FRAME_WGS84);
+    assert_float_equal(message.position[0], 48.1, 1e-9);
+    assert_float_equal(message.position[1], 11.5, 1e-9);
+    assert_float_equal(message.position[2], 531.8, 1e-4);
+}
+
+void a_map_frame_without_truth_gives_neither_place_nor_position(void **)
+{
+    const Chosen chosen("local", 1, 2, 3);
+    const vdna_msg_localisation_t message = chosen.message(1);
+    assert_int_equal(message.frame, 1);
+    assert_int_equal(message.frame_utime, 20);
+    assert_int_equal(message.has_place, 0);
+    assert_int_equal(message.has_position, 0);
+    assert_string_equal(message.position_frame, "");
+    assert_true(message.place == 0 && message.position[0] == 0 && message.position[2] == 0);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(a_local_position_goes_out_in_metres_with_its_frame),
+        cmocka_unit_test(gps_goes_out_in_degrees_as_it_came),
+        cmocka_unit_test(a_map_frame_without_truth_gives_neither_place_nor_position),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
