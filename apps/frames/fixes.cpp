@@ -54,9 +54,13 @@ const char *text_of(Flaw flaw)
     case Flaw::off_the_globe:
         return " beyond the globe";
     case Flaw::jump:
+        return " where no vehicle gets in the time";
+    case Flaw::unplaced:
+        return " without a time or a position";
+    case Flaw::repeated:
         break;
     }
-    return " where no vehicle gets in the time";
+    return " at the time of another";
 }
 
 } // namespace

@@ -12,7 +12,7 @@ namespace vdna::frames
 {
 
 // Why a position is left out.
-enum class Flaw { incomplete, not_a_number, at_zero, off_the_globe, jump };
+enum class Flaw { incomplete, not_a_number, at_zero, off_the_globe, jump, unplaced, repeated };
 
 // A position with its time, to find jumps.
 struct TimedPosition {

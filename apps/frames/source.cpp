@@ -1,6 +1,7 @@
 #include "frames/source.hpp"
 
 #include "frames/log_events.hpp"
+#include "frames/pose_track.hpp"
 
 namespace vdna::frames
 {
@@ -22,10 +23,31 @@ std::optional<Labels> labels_of(const std::string &path, const SourceOptions &op
     return Labels(own, options.label_options);
 }
 
+std::optional<TrackJoin> track_of(const std::string &path, const SourceOptions &options)
+{
+    const int64_t gap_us = std::llround(options.gps_gap_s * 1e6);
+    if (!options.labelled || (options.gps.empty() && options.pose_channel.empty()))
+        return {};
+    if (!options.gps.empty())
+        return TrackJoin(Track::from_file(options.gps, gap_us), path);
+    const std::vector<std::string> logs = parts_of(path);
+    if (!is_lcm_log(logs.front()))
+        throw Error(path + ": not an LCM log, so it has no --pose-channel; set --gps to its track");
+    const std::string &local = options.label_options.local_frame;
+    return TrackJoin(read_pose_track(logs, options.pose_channel,
+                                     local.empty() ? VDNA_FRAME_LOCAL : local, gap_us),
+                     path);
+}
+
+std::vector<int64_t> stamps_of_labels(const std::optional<Labels> &labels)
+{
+    return labels ? labels->frame_utimes() : std::vector<int64_t>();
+}
+
 // The stamps of the frames that are known beforehand.
 std::vector<int64_t> stamps_of(const Reader &reader, const std::optional<Labels> &labels)
 {
-    const std::vector<int64_t> of_labels = labels ? labels->frame_utimes() : std::vector<int64_t>();
+    const std::vector<int64_t> of_labels = stamps_of_labels(labels);
     return of_labels.empty() ? reader.stamps() : of_labels;
 }
 
@@ -33,11 +55,15 @@ std::vector<int64_t> stamps_of(const Reader &reader, const std::optional<Labels>
 
 Source::Source(const std::string &path, const SourceOptions &options)
     : path_(path), options_(options), labels_(labels_of(path, options)),
+      track_(track_of(path, options)),
       reader_(open_reader(path, options, labels_ ? &*labels_ : nullptr)),
       axis_(stamps_of(*reader_, labels_), options.time_unit,
             static_cast<int64_t>(options.late_s * 1e6)),
       to_skip_(options.skip)
 {
+    const std::vector<int64_t> stamps = stamps_of_labels(labels_);
+    if (!stamps.empty())
+        label_stamp_ = stamps.front();
     if (reader_->size() > 0 && options.skip >= reader_->size())
         throw Error(path + ": has " + std::to_string(reader_->size()) +
                     " frames, expected more than the " + std::to_string(options.skip) + " to skip");
@@ -49,17 +75,34 @@ bool Source::next(Frame &out_frame)
         Frame frame;
         if (!read(frame)) {
             complain_of_rows_without_frames();
-            if (labels_)
-                labels_->finish();
+            finish();
             return false;
         }
         const std::optional<int64_t> utime = axis_.take(frame.utime);
         if (!utime)
             continue;
         frame.utime = *utime;
+        place(frame);
         out_frame = frame;
         return true;
     }
+}
+
+// Give a frame its time in the world, and the position that a track has for it.
+void Source::place(Frame &frame)
+{
+    if (__builtin_add_overflow(frame.utime, options_.time_offset_us, &frame.utime))
+        throw Error(frame.name + ": its time and --time-offset are beyond all dates together");
+    if (track_)
+        track_->label_next(frame.utime, frame.label);
+}
+
+void Source::finish() const
+{
+    if (labels_)
+        labels_->finish();
+    if (track_)
+        track_->finish();
 }
 
 bool Source::read(Frame &out_frame)
@@ -74,8 +117,10 @@ bool Source::read(Frame &out_frame)
     read_++;
     if (labels_)
         out_frame.label = labels_->find(out_frame.file, out_frame.index);
-    if (out_frame.label.utime)
-        out_frame.utime = *out_frame.label.utime;
+    if (label_stamp_) {
+        label_stamp_ = out_frame.label.utime ? out_frame.label.utime : label_stamp_;
+        out_frame.utime = *label_stamp_;
+    }
     return true;
 }
 

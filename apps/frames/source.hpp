@@ -16,6 +16,7 @@
 #include "frames/account.hpp"
 #include "frames/labels.hpp"
 #include "frames/time_axis.hpp"
+#include "frames/track_join.hpp"
 
 namespace vdna::frames
 {
@@ -29,11 +30,16 @@ struct SourceOptions {
     double late_s = VDNA_TIME_LATE_US_DEFAULT / 1e6; // frames this much older than the newest are
                                                      // late and left out, >= 0
     std::string labels;   // CSV file; "" = labels.csv of the folder, if present
-    bool labelled = true; // false: labels are not read
+    bool labelled = true; // false: neither labels nor track are read
     LabelOptions label_options;
     uint64_t skip = 0;     // frames left out at the start
     uint64_t every = 1;    // of the rest, keep every N-th frame, >= 1
     bool skip_bad = false; // for Pass: leave out unusable frames
+
+    int64_t time_offset_us = 0; // added to the times of all frames
+    std::string gps;            // track whose positions are the frames' truth; "" = none
+    std::string pose_channel;   // of an LCM log, whose poses are such a track; "" = none
+    double gps_gap_s = 2;       // fixes of a track further apart than this are not joined, > 0
 };
 
 // One frame. `image.data` is borrowed until the next frame is read.
@@ -97,15 +103,21 @@ class Source
 
   private:
     bool read(Frame &out_frame);
+    void place(Frame &frame);
     void complain_of_rows_without_frames();
+    void finish() const;
 
     std::string path_;
     SourceOptions options_;
     std::optional<Labels> labels_;
+    std::optional<TrackJoin> track_;
     std::unique_ptr<Reader> reader_;
     TimeAxis axis_;
     uint64_t to_skip_;  // before the next frame
     uint64_t read_ = 0; // frames, skipped ones included
+    // Of a table that numbers frames and stamps them: the newest stamp, which also counts for
+    // frames without one.
+    std::optional<int64_t> label_stamp_;
 };
 
 // The readers; open_reader() chooses one by the path and the first bytes of the file. labels: NULL

@@ -265,6 +265,7 @@ void add_build(CLI::App &app)
                         std::string("that of the map, else ") + VDNA_BACKBONE_DEFAULT);
     add_source_options(*command, options->source);
     add_labels_option(*command, options->source);
+    add_track_options(*command, options->source);
     command
         ->add_option("--name", options->name,
                      "name of the experience, for a single source (default: that of the source)")

@@ -1,5 +1,4 @@
 // vdna command - sends a command to a running vdna_selectord.
-#include <chrono>
 #include <map>
 
 #include <vdna_messages.h>
@@ -7,6 +6,7 @@
 
 #include <vdna/cpp/connection.hpp>
 
+#include "program/clock.hpp"
 #include "vdna/commands.hpp"
 
 namespace vdna::tool
@@ -32,10 +32,9 @@ void send_command(const CommandOptions &options)
     config.url = options.url.empty() ? nullptr : options.url.c_str();
     const Connection connection = connect(config);
 
-    using namespace std::chrono;
     char no_argument[] = "";
     vdna_msg_command_t message{};
-    message.utime = duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+    message.utime = program::wall_us();
     message.command = commands.at(options.command);
     message.argument = no_argument;
     const vdna_status status = vdna_transport_publish(connection.get(), options.channel.c_str(),

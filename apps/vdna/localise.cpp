@@ -203,6 +203,7 @@ void add_localise(CLI::App &app)
     add_network_options(*command, options->network, "that of the map");
     add_source_options(*command, options->source);
     add_labels_option(*command, options->source);
+    add_track_options(*command, options->source);
     add_altitude_option(*command, options->with_altitude);
     command->add_flag("--matches", options->matches, "with --json: list the match of every frame");
     command->add_flag("--json", options->json, "report as JSON");

@@ -1,12 +1,39 @@
 #include "vdna/options.hpp"
 
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
 #include <iostream>
 #include <map>
 
+#include "frames/iso_time.hpp"
+#include "program/exit_code.hpp"
 #include "record/ranges.hpp"
 
 namespace vdna::tool
 {
+
+namespace
+{
+
+// --time-offset in microseconds.
+int64_t parse_offset(const std::string &text)
+{
+    constexpr double longest_s = 1e11; // 3000 years
+    if (const std::optional<int64_t> utime = frames::utime_of_iso(text))
+        return *utime;
+    double seconds = 0;
+    const char *end = text.data() + text.size();
+    const auto result = std::from_chars(text.data(), end, seconds);
+    if (result.ec != std::errc() || result.ptr != end || !(std::abs(seconds) <= longest_s))
+        throw program::UsageError("--time-offset " + text +
+                                  ": expected seconds, as in -3.5, or a time, as in "
+                                  "2024-05-01T12:00:00Z");
+    return std::llround(seconds * 1e6);
+}
+
+} // namespace
 
 void add_network_options(CLI::App &command, NetworkOptions &options,
                          const std::string &default_text)
@@ -112,6 +139,35 @@ void add_altitude_option(CLI::App &command, bool &with_altitude)
                      "tolerances in metres also count altitude (default: horizontal distances)");
 }
 
+void add_track_options(CLI::App &command, frames::SourceOptions &options)
+{
+    CLI::Option *gps =
+        command
+            .add_option("--gps", options.gps,
+                        "track of the drive, .gpx or a table with the columns time, lat, lon and "
+                        "possibly alt: gives each frame its position, in place of a table's")
+            ->type_name("FILE");
+    command
+        .add_option("--pose-channel", options.pose_channel,
+                    "channel of an LCM log with the poses (bot_core.pose_t) or GPS fixes "
+                    "(bot_core.gps_data_t) of the drive: as --gps")
+        ->type_name("CHANNEL")
+        ->excludes(gps);
+    command
+        .add_option("--gps-gap", options.gps_gap_s,
+                    "frames between two fixes of a track that are further apart have no position")
+        ->check(within(0.001, 3600))
+        ->type_name("SECONDS")
+        ->capture_default_str();
+    command
+        .add_option_function<std::string>(
+            "--time-offset",
+            [&options](const std::string &text) { options.time_offset_us = parse_offset(text); },
+            "add to the times of the frames: seconds or, if they count from 0, the time of the "
+            "first one, as in 2024-05-01T12:00:00Z")
+        ->type_name("SECONDS|TIME");
+}
+
 void add_range_rule_option(CLI::App &command, uint32_t &rule)
 {
     const std::map<std::string, uint32_t> rules = {
@@ -124,6 +180,35 @@ void add_range_rule_option(CLI::App &command, uint32_t &rule)
         ->transform(CLI::CheckedTransformer(rules).description(""))
         ->type_name("midpoint|zero")
         ->default_str(record::range_rules[rule]);
+}
+
+CLI::Validator within(double lo, double hi)
+{
+    const auto check = [lo, hi](const std::string &text) -> std::string {
+        double value = 0;
+        if (CLI::detail::lexical_cast(text, value) && value >= lo && value <= hi)
+            return "";
+        char range[64];
+        std::snprintf(range, sizeof range, " is not in %g..%g", lo, hi);
+        return text + range;
+    };
+    return CLI::Validator(check, "");
+}
+
+PictureSize parse_size(const std::string &text, uint32_t least, uint32_t most,
+                       const std::string &example)
+{
+    PictureSize size{};
+    const char *end = text.data() + text.size();
+    const auto width = std::from_chars(text.data(), end, size.width);
+    const bool crossed = width.ec == std::errc() && width.ptr < end && *width.ptr == 'x';
+    const auto height = std::from_chars(crossed ? width.ptr + 1 : end, end, size.height);
+    if (height.ec != std::errc() || height.ptr != end ||
+        std::min(size.width, size.height) < least || std::max(size.width, size.height) > most)
+        throw program::UsageError("--size " + text + ": expected WIDTHxHEIGHT in pixels, " +
+                                  std::to_string(least) + ".." + std::to_string(most) +
+                                  " each, as in " + example);
+    return size;
 }
 
 } // namespace vdna::tool

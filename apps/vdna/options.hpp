@@ -36,6 +36,8 @@ void add_warmup_min_option(CLI::App &command, uint32_t &frames_min);
 
 // Tell on standard error what is to be known about a source that was read.
 void tell(const std::string &source, const frames::Account &account);
+// --gps, --pose-channel, --gps-gap, --time-offset.
+void add_track_options(CLI::App &command, frames::SourceOptions &options);
 
 // --labels, --frame.
 void add_labels_option(CLI::App &command, frames::SourceOptions &options);
@@ -45,5 +47,17 @@ void add_altitude_option(CLI::App &command, bool &with_altitude);
 
 // --range-rule; rule: VDNA_RANGE_ABOUT_...
 void add_range_rule_option(CLI::App &command, uint32_t &rule);
+
+// Like CLI::Range, but refuses "nan".
+CLI::Validator within(double lo, double hi);
+
+// The size of a picture, in pixels.
+struct PictureSize {
+    uint32_t width, height;
+};
+
+// --size WIDTHxHEIGHT, sides within least..most; example: for the complaint. Throws UsageError.
+PictureSize parse_size(const std::string &text, uint32_t least, uint32_t most,
+                       const std::string &example);
 
 } // namespace vdna::tool

@@ -1,17 +1,12 @@
 // vdna play - sends the frames of a recording over LCM, like a camera driver.
-#include <cerrno>
-#include <chrono>
 #include <iostream>
 #include <limits>
 
-#include <time.h>
-
-#include <vdna/cpp/connection.hpp>
-
 #include "frames/camera_image.hpp"
 #include "frames/source.hpp"
-#include "program/interrupt.hpp"
+#include "program/clock.hpp"
 #include "program/progress.hpp"
+#include "vdna/camera_channel.hpp"
 #include "vdna/commands.hpp"
 
 namespace vdna::tool
@@ -36,49 +31,23 @@ class Beat
     explicit Beat(double rate_hz) : period_us_(1e6 / rate_hz) {}
 
     // Throws Error on Ctrl-C.
-    void wait()
-    {
-        const int64_t due_us = begin_us_ + static_cast<int64_t>(beats_++ * period_us_);
-        const timespec due{due_us / 1000000, due_us % 1000000 * 1000};
-        while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) == EINTR)
-            program::require_not_interrupted();
-        program::require_not_interrupted();
-    }
+    void wait() { program::sleep_until(begin_us_ + static_cast<int64_t>(beats_++ * period_us_)); }
 
   private:
-    static int64_t monotonic_us()
-    {
-        timespec now;
-        clock_gettime(CLOCK_MONOTONIC, &now);
-        return int64_t{now.tv_sec} * 1000000 + now.tv_nsec / 1000;
-    }
-
     double period_us_;
-    int64_t begin_us_ = monotonic_us();
+    int64_t begin_us_ = program::monotonic_us();
     double beats_ = 0;
 };
 
-int64_t wall_us()
-{
-    using namespace std::chrono;
-    return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
-}
-
-void send(vdna_transport *transport, const PlayOptions &options, const frames::Frame &frame,
+void send(CameraChannel &channel, const PlayOptions &options, const frames::Frame &frame,
           picture::FileConverter &converter)
 {
     const vdna_image image = frames::camera_image(frame.image, frame.name, converter);
-    const int64_t utime = options.stamp == "recorded" ? frame.utime : wall_us();
-    const vdna_status status =
-        vdna_transport_publish_image(transport, options.reading.camera.c_str(), utime, &image);
-    if (status != VDNA_OK)
-        throw Error(frame.name + ": " + std::to_string(image.size) + " bytes cannot be sent: " +
-                    vdna_status_text(status) + "; play smaller pictures; " VDNA_LCM_REMEDY);
+    channel.send(image, options.stamp == "recorded" ? frame.utime : program::wall_us(), frame.name);
 }
 
 // Send the source once, at most `limit` frames; returns the number sent.
-uint64_t play_once(vdna_transport *transport, const PlayOptions &options, uint64_t limit,
-                   Beat &beat)
+uint64_t play_once(CameraChannel &channel, const PlayOptions &options, uint64_t limit, Beat &beat)
 {
     frames::Source source(options.source, options.reading);
     program::Progress bar("playing " + options.source, std::min(limit, source.size()));
@@ -91,7 +60,7 @@ uint64_t play_once(vdna_transport *transport, const PlayOptions &options, uint64
             if (!more)
                 break;
             beat.wait();
-            send(transport, options, frame, converter);
+            send(channel, options, frame, converter);
             sent++;
             bar.advance();
         } catch (const frames::BadFrame &bad) {
@@ -103,17 +72,11 @@ uint64_t play_once(vdna_transport *transport, const PlayOptions &options, uint64
 
 void play(const PlayOptions &options)
 {
-    vdna_error error{};
-    require(vdna_transport_check_channel(options.reading.camera.c_str(), &error), error);
-    vdna_transport_config config;
-    vdna_transport_config_init(&config);
-    config.url = options.url.empty() ? nullptr : options.url.c_str();
-    const Connection connection = connect(config);
-
+    CameraChannel channel(options.url, options.reading.camera);
     Beat beat(options.reading.rate_hz);
     uint64_t sent = 0;
     do {
-        const uint64_t now = play_once(connection.get(), options, options.frames - sent, beat);
+        const uint64_t now = play_once(channel, options, options.frames - sent, beat);
         if (now == 0)
             throw Error(options.source + ": no frame of it could be sent");
         sent += now;

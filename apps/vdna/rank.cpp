@@ -290,6 +290,7 @@ void add_rank(CLI::App &app)
     add_network_options(*command, options->network, "that of the map");
     add_source_options(*command, options->source);
     add_labels_option(*command, options->source);
+    add_track_options(*command, options->source);
     command->add_flag("--json", options->json, "report as JSON");
     command->footer("Examples:\n"
                     "  vdna rank --warmup 42 today/ park\n"

@@ -1,12 +1,11 @@
 // vdna simulate - renders pictures of an imaginary route, for trials without a robot.
-#include <cstdio>
 #include <memory>
 
 #include <vdna/cpp/error.hpp>
 
-#include "program/exit_code.hpp"
 #include "simulate/recording.hpp"
 #include "vdna/commands.hpp"
+#include "vdna/options.hpp"
 
 namespace vdna::tool
 {
@@ -22,22 +21,11 @@ struct Arguments {
     simulate::RecordingConfig recording;
 };
 
-cv::Size parse_size(const std::string &text)
-{
-    int width = 0, height = 0, end = 0;
-    if (std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &end) != 2 ||
-        static_cast<size_t>(end) != text.size() || width < 16 || height < 16 || width > 4096 ||
-        height > 4096)
-        throw program::UsageError("--size " + text +
-                                  ": expected WIDTHxHEIGHT in pixels, 16..4096 each, as in "
-                                  "320x240");
-    return {width, height};
-}
-
 void simulate(const Arguments &arguments)
 {
     simulate::RecordingConfig recording = arguments.recording;
-    recording.size = parse_size(arguments.size);
+    const PictureSize size = parse_size(arguments.size, 16, 4096, "320x240");
+    recording.size = cv::Size(static_cast<int>(size.width), static_cast<int>(size.height));
     const simulate::Route route(arguments.seed);
     if (arguments.sheet) {
         simulate::write_sheet(arguments.out, route, arguments.drive, recording.size,
@@ -57,20 +45,6 @@ std::string condition_names()
     for (const simulate::Condition &condition : simulate::conditions())
         names += (names.empty() ? "" : ", ") + condition.name;
     return names;
-}
-
-// Like CLI::Range, but refuses "nan".
-CLI::Validator within(double lo, double hi)
-{
-    const auto check = [lo, hi](const std::string &text) -> std::string {
-        double value = 0;
-        if (CLI::detail::lexical_cast(text, value) && value >= lo && value <= hi)
-            return "";
-        char range[64];
-        std::snprintf(range, sizeof range, " is not in %g..%g", lo, hi);
-        return text + range;
-    };
-    return CLI::Validator(check, "");
 }
 
 void add_drive_options(CLI::App &command, simulate::DriveConfig &drive)

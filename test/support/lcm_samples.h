@@ -2,7 +2,9 @@
 #ifndef LCM_SAMPLES_H
 #define LCM_SAMPLES_H
 
+#include <bot_core_gps_data_t.h>
 #include <bot_core_image_t.h>
+#include <bot_core_pose_t.h>
 #include <vdna_msg_command_t.h>
 #include <vdna_msg_localisation_t.h>
 #include <vdna_msg_ranking_t.h>
@@ -98,6 +100,30 @@ static const bot_core_image_t sample_image = {
     .data = sample_pixels,
     .nmetadata = 2,
     .metadata = sample_metadata,
+};
+
+static const bot_core_pose_t sample_pose = {
+    .utime = 1700000000000007,
+    .pos = {1.5, -2.5, 0.25},
+    .vel = {1, 2, 3},
+    .orientation = {1, 0, 0, 0},
+    .rotation_rate = {0.1, 0.2, 0.3},
+    .accel = {4, 5, 6},
+};
+
+static const bot_core_gps_data_t sample_gps_data = {
+    .utime = 1700000000000008,
+    .gps_lock = 3,
+    .longitude = -1.25,
+    .latitude = 51.75,
+    .elev = 70.5,
+    .horizontal_accuracy = 2,
+    .vertical_accuracy = 4,
+    .numSatellites = 9,
+    .speed = 8.5,
+    .heading = 0.75,
+    .xyz_pos = {10, 20, 30},
+    .gps_time = 1700000000.5,
 };
 
 #endif

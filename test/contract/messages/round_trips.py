@@ -193,7 +193,7 @@ def comments():
     for path in sorted(LCMTYPES.glob("*.lcm")):
         header = "".join(path.read_text() for path in generated.rglob("*.hpp"))
         for comment, member in explained.findall(path.read_text()):
-            pattern = rf"{re.escape(comment)}\n[^;]*?\*/\s+[\w:<> ]+ {member}(?:\[3\])?;"
+            pattern = rf"{re.escape(comment)}\n[^;]*?\*/\s+[\w:<> ]+ {member}(?:\[\d+\])?;"
             if not re.search(pattern, header):
                 sys.exit(f"{path.name}: {member} has lost its comment '{comment}'")
 

@@ -1,0 +1,25 @@
+// An LCM channel to which the program sends camera frames, as a driver would.
+#pragma once
+
+#include <string>
+
+#include <vdna/cpp/connection.hpp>
+
+namespace vdna::tool
+{
+
+class CameraChannel
+{
+  public:
+    // url: "" = LCM's default. Throws Error.
+    CameraChannel(const std::string &url, const std::string &channel);
+
+    // utime: microseconds; name: of the frame, for complaints. Throws Error.
+    void send(const vdna_image &image, int64_t utime, const std::string &name);
+
+  private:
+    Connection connection_;
+    std::string channel_;
+};
+
+} // namespace vdna::tool
