@@ -97,7 +97,7 @@ size_t check_packed(const vdna_image &image, size_t row_bytes)
 // Drivers exist that call 16-bit pixels by the name of an 8-bit format. Then a row in the data has
 // twice the bytes, and perhaps some that align it. Half of a larger picture looks the same if its
 // size counts whole rows; it may end at its last pixel instead. A stride beyond twice the row that
-// is a power of two is an alignment of its own.
+// is a power of two is an alignment of its own, and short rows may be aligned to anything.
 void refuse_two_bytes_a_channel(const vdna_image &image, size_t row_bytes)
 {
     constexpr size_t alignment = 64;
@@ -105,8 +105,8 @@ void refuse_two_bytes_a_channel(const vdna_image &image, size_t row_bytes)
     const bool whole_rows = image.size % image.height == 0;
     const bool stride_fits = image.row_stride == in_data || in_data == wide;
     const bool aligned = (in_data & (in_data - 1)) == 0;
-    if (whole_rows && stride_fits && in_data >= wide && in_data < wide + alignment &&
-        (in_data == wide || !aligned))
+    if (row_bytes >= alignment && whole_rows && stride_fits && in_data >= wide &&
+        in_data < wide + alignment && (in_data == wide || !aligned))
         throw fail::Failure(VDNA_ERR_FORMAT,
                             layout_text(image) +
                                 "two bytes a channel? this format has one; name 16-bit grey Y16, "
