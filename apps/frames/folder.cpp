@@ -1,12 +1,12 @@
 // Pictures of a folder, in the order of their names.
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <fstream>
 #include <vector>
 
 #include "frames/source.hpp"
+#include "picture/files/kind.hpp"
 
 namespace vdna::frames
 {
@@ -18,12 +18,11 @@ namespace fs = std::filesystem;
 
 bool is_picture(const fs::path &file)
 {
-    static const std::array<const char *, 8> endings = {".jpg", ".jpeg", ".png", ".webp",
-                                                        ".bmp", ".ppm",  ".tif", ".tiff"};
     std::string ending = file.extension().string();
     for (char &c : ending)
         c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return std::find(endings.begin(), endings.end(), ending) != endings.end();
+    return std::find(picture::file_endings.begin(), picture::file_endings.end(), ending) !=
+           picture::file_endings.end();
 }
 
 bool is_hidden(const fs::path &file)
