@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <iterator>
 #include <vector>
 
 // A block that states one orientation, as a TIFF file of either byte order.
@@ -19,17 +20,17 @@ inline std::vector<uint8_t> jpeg_with_exif(std::vector<uint8_t> jpeg,
                                            const std::vector<uint8_t> &block)
 {
     const size_t length = 2 + 6 + block.size();
-    std::vector<uint8_t> segment = {0xFF,
-                                    0xE1,
-                                    static_cast<uint8_t>(length >> 8),
-                                    static_cast<uint8_t>(length),
-                                    'E',
-                                    'x',
-                                    'i',
-                                    'f',
-                                    0,
-                                    0};
-    segment.insert(segment.end(), block.begin(), block.end());
-    jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
+    const uint8_t head[] = {0xFF,
+                            0xE1,
+                            static_cast<uint8_t>(length >> 8),
+                            static_cast<uint8_t>(length),
+                            'E',
+                            'x',
+                            'i',
+                            'f',
+                            0,
+                            0};
+    jpeg.insert(jpeg.begin() + 2, block.begin(), block.end());
+    jpeg.insert(jpeg.begin() + 2, std::begin(head), std::end(head));
     return jpeg;
 }
