@@ -12,6 +12,15 @@ namespace vdna::frames
 namespace
 {
 
+// OpenCV turns a video as its container says, but 4.6 turns a quarter the wrong way round
+// (https://github.com/opencv/opencv/issues/22088).
+bool comes_upside_down(const cv::VideoCapture &video)
+{
+    const double degrees = video.get(cv::CAP_PROP_ORIENTATION_META);
+    return cv::getVersionMajor() == 4 && cv::getVersionMinor() == 6 &&
+           (degrees == 90 || degrees == 270);
+}
+
 class VideoReader : public Reader
 {
   public:
@@ -27,12 +36,15 @@ class VideoReader : public Reader
         const double fps = video_.get(cv::CAP_PROP_FPS);
         if (std::isfinite(fps) && fps > 0)
             rate_hz_ = fps;
+        upside_down_ = comes_upside_down(video_);
     }
 
     bool read(Frame &out_frame) override
     {
         if (!video_.read(picture_))
             return false;
+        if (upside_down_)
+            cv::flip(picture_, picture_, -1);
         out_frame.index = next_++;
         out_frame.name = path_ + ": frame " + std::to_string(out_frame.index);
         out_frame.utime = std::llround(static_cast<double>(out_frame.index) * 1e6 / rate_hz_);
@@ -64,6 +76,7 @@ class VideoReader : public Reader
     double rate_hz_;
     cv::VideoCapture video_;
     cv::Mat picture_;
+    bool upside_down_ = false;
     uint64_t next_ = 0;
 };
 
