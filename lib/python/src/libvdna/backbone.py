@@ -11,7 +11,7 @@ from typing import Any, List, NamedTuple, Optional, SupportsIndex, Tuple, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import integer, view
+from ._arrays import array_of, integer, view
 from ._library import Activations, BackboneConfig, BackboneFields, BackboneOutput, Error, Image
 from ._library import Status, VdnaError, backbone_lib
 from .identity import Identity, parse_taps
@@ -181,7 +181,7 @@ def _image_of(picture: Picture) -> Tuple[NDArray[np.uint8], Image]:
     if isinstance(picture, (bytes, bytearray, memoryview)):
         data = np.frombuffer(picture, np.uint8)
         return data, Image(data.ctypes.data, data.size, 0, 0, 0, _ENCODED)
-    pixels = np.asarray(picture)
+    pixels = array_of(picture, "the picture")
     if pixels.dtype != np.uint8:
         raise TypeError(
             f"the picture holds {pixels.dtype}, expected uint8; scale it by the value of its white:"
