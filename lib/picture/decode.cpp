@@ -7,6 +7,7 @@
 #include "exif.h"
 #include "failure.hpp"
 #include "jpeg.h"
+#include "levels.hpp"
 #include "limits.hpp"
 #include "pixel_formats.hpp"
 
@@ -101,12 +102,13 @@ size_t check_packed(const vdna_image &image, size_t row_bytes)
 void refuse_two_bytes_a_channel(const vdna_image &image, size_t row_bytes)
 {
     constexpr size_t alignment = 64;
-    const size_t wide = 2 * row_bytes, in_data = image.size / image.height;
-    const bool whole_rows = image.size % image.height == 0;
-    const bool stride_fits = image.row_stride == in_data || in_data == wide;
-    const bool aligned = (in_data & (in_data - 1)) == 0;
-    if (row_bytes >= alignment && whole_rows && stride_fits && in_data >= wide &&
-        in_data < wide + alignment && (in_data == wide || !aligned))
+    const size_t wide = 2 * row_bytes, stride = image.row_stride;
+    const bool padded = stride > row_bytes;
+    const bool twice = padded ? stride == wide && image.size >= wide * image.height
+                              : image.size == wide * image.height;
+    const bool aligned = stride > wide && stride < wide + alignment &&
+                         (stride & (stride - 1)) != 0 && image.size >= stride * image.height;
+    if (row_bytes >= alignment && (twice || aligned))
         throw fail::Failure(VDNA_ERR_FORMAT,
                             layout_text(image) +
                                 "two bytes a channel? this format has one; name 16-bit grey Y16, "
@@ -192,6 +194,11 @@ vdna_pixels Decoder::words(const vdna_image &image, const PixelFormat &format)
         throw fail::Failure(VDNA_ERR_FORMAT, layout_text(image) + "has values of more than " +
                                                  std::to_string(format.bits) +
                                                  " bits; name the format by its significant bits");
+    const uint32_t bits = format.bits == 16 ? fewer_than_16_bits(used) : 0;
+    if (bits != 0)
+        throw fail::Failure(VDNA_ERR_UNSUPPORTED,
+                            layout_text(image) + fewer_bits_text(bits) +
+                                "name the format by its significant bits, Y10, Y12 or Y14");
     return {bgr_.get(), image.width, image.width, image.height, 1, {0, 0, 0}};
 }
 

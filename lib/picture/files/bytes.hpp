@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "failure.hpp"
+#include "picture/levels.hpp"
 
 namespace vdna::picture
 {
@@ -20,6 +21,14 @@ namespace vdna::picture
 [[noreturn]] inline void unsupported(const std::string &what)
 {
     throw fail::Failure(VDNA_ERR_UNSUPPORTED, "encoded picture: " + what);
+}
+
+// Refuse a file of 16 bits that uses fewer. used: the bits that any value has set
+inline void require_depth(uint32_t used)
+{
+    if (const uint32_t bits = fewer_than_16_bits(used))
+        unsupported(fewer_bits_text(bits) + "scale its values to 0..65535, or save it as PGM or " +
+                    "PPM, whose header gives the value of white");
 }
 
 // Borrows the file. Throws Failure, VDNA_ERR_FORMAT, for a number beyond its end.

@@ -5,10 +5,10 @@
 #include "picture/exif.h"
 #include "picture/files/header.hpp"
 #include "picture/files/kind.hpp"
-#include "picture/files/levels.hpp"
 #include "picture/files/pnm.hpp"
 #include "picture/files/tiff.hpp"
 #include "picture/jpeg.h"
+#include "picture/levels.hpp"
 #include "picture/limits.hpp"
 
 namespace vdna::picture
@@ -59,15 +59,15 @@ cv::Mat decode_as_stored(const uint8_t *data, size_t size)
 cv::Mat scaled_to_8_bits(const cv::Mat &deep)
 {
     cv::Mat bgr(deep.rows, deep.cols, CV_8UC3);
-    uint32_t largest = 0;
+    uint32_t used = 0;
     for (int y = 0; y < deep.rows; y++) {
         const uint16_t *const row = deep.ptr<uint16_t>(y);
         for (int i = 0; i < 3 * deep.cols; i++) {
-            largest = std::max<uint32_t>(largest, row[i]);
+            used |= row[i];
             bgr.ptr(y)[i] = level_of(row[i], white_of_16_bits);
         }
     }
-    check_depth(largest);
+    require_depth(used);
     return bgr;
 }
 

@@ -1,9 +1,8 @@
 #include "picture/files/pnm.hpp"
 
-#include <algorithm>
 #include <cctype>
 
-#include "picture/files/levels.hpp"
+#include "picture/levels.hpp"
 
 namespace vdna::picture
 {
@@ -114,7 +113,7 @@ PnmHeader pnm_header(const Bytes &file)
 void decode_pnm(const Bytes &file, const PnmHeader &header, cv::Mat &bgr)
 {
     Pixels pixels(file, header);
-    uint32_t largest = 0;
+    uint32_t used = 0;
     bgr.create(static_cast<int>(header.height), static_cast<int>(header.width), CV_8UC3);
     for (uint32_t y = 0; y < header.height; y++) {
         uint8_t *out = bgr.ptr(static_cast<int>(y));
@@ -122,12 +121,12 @@ void decode_pnm(const Bytes &file, const PnmHeader &header, cv::Mat &bgr)
             for (uint32_t channel = 0; channel < 3; channel++) {
                 const bool grey = channel > 0 && header.channels == 1;
                 const uint32_t value = grey ? 0 : pixels.next(x);
-                largest = std::max(largest, value);
+                used |= value;
                 out[2 - channel] = grey ? out[2] : level_of(value, header.white);
             }
     }
     if (header.white == white_of_16_bits)
-        check_depth(largest);
+        require_depth(used);
 }
 
 } // namespace vdna::picture

@@ -82,7 +82,7 @@ std::vector<uint8_t> seed_of(size_t index)
     std::vector<uint8_t> seed(head_size);
     std::memcpy(&seed[1], &side, sizeof side);
     std::memcpy(&seed[5], &side, sizeof side);
-    std::vector<uint8_t> bytes(size_t{side} * side * 4, 1); // enough for the widest format
+    std::vector<uint8_t> bytes(size_t{side} * side * 4); // black, enough for the widest format
     if (index < std::size(encodings)) {
         bytes = encoded(encodings[index]);
     } else if (index < std::size(encodings) + raw) {

@@ -342,7 +342,7 @@ static void an_encoded_picture_that_is_no_jpeg_is_refused_with_what_to_do(void *
 static void a_picture_of_one_pixel_too_many_is_refused_in_every_format(void **)
 {
     constexpr uint32_t pixels = width * height;
-    const Bytes jpeg = encoded(".jpg"), raw(size_t{4} * pixels, 1);
+    const Bytes jpeg = encoded(".jpg"), raw(size_t{4} * pixels, 0);
     std::vector<vdna_image> images;
     for (const picture::PixelFormat &format : picture::pixel_formats) {
         const bool is_jpeg = format.arrangement == picture::Arrangement::jpeg;
@@ -382,7 +382,7 @@ static void mean_grey_weighs_the_channels_over_the_whole_picture(void **)
 static void no_picture_costs_an_allocation(void **)
 {
     const Bytes jpeg = encoded(".jpg"), turned = jpeg_with_exif(jpeg, exif_block(6)),
-                raw(size_t{4} * width * height, 1);
+                raw(size_t{4} * width * height, 0), bright(size_t{2} * width * height, 200);
     Decoder decoder(width * height);
     const size_t before = allocations;
     for (const picture::PixelFormat &format : picture::pixel_formats)
@@ -393,6 +393,7 @@ static void no_picture_costs_an_allocation(void **)
                         decoder.decode({raw.data(), raw.size(), columns, rows, 0, format.fourcc}));
     picture::mean_grey(decoder.decode(image_of(jpeg, VDNA_PIXEL_MJPG)));
     picture::mean_grey(decoder.decode(image_of(turned, VDNA_PIXEL_MJPG)));
+    picture::mean_grey(decoder.decode(image_of(bright, VDNA_PIXEL_Y16)));
     assert_int_equal(allocations, before);
 }
 
@@ -562,6 +563,18 @@ static void a_value_of_more_bits_than_its_format_has_is_refused(void **)
     }
 }
 
+static void grey_that_names_16_bits_and_uses_fewer_is_refused(void **)
+{
+    for (const uint32_t fourcc : {VDNA_PIXEL_Y16, VDNA_PIXEL_LG16}) {
+        const Bytes twelve = words_of({0, 4095}, 2), all = words_of({0, 16384}, 2);
+        const std::string reason =
+            refusal({twelve.data(), twelve.size(), 2, 1, 0, fourcc}, VDNA_ERR_UNSUPPORTED);
+        assert_true(reason.find("no value uses more than 12") != std::string::npos);
+        Decoder decoder;
+        decoder.decode({all.data(), all.size(), 2, 1, 0, fourcc});
+    }
+}
+
 static void pixels_of_two_bytes_under_the_name_of_one_are_refused(void **)
 {
     struct Case {
@@ -615,7 +628,7 @@ static void raw_pictures_need_every_byte_and_no_more(void **)
     };
     for (const Case &c : cases) {
         // On the heap, so that a sanitizer sees a byte read past the end.
-        const Bytes bytes(c.bytes, 1);
+        const Bytes bytes(c.bytes, 0); // black at any depth
         Decoder decoder;
         decoder.decode(image_of(bytes, c.pixelformat, c.stride));
         vdna_image short_of_one = image_of(bytes, c.pixelformat, c.stride);
@@ -672,6 +685,7 @@ int main()
         cmocka_unit_test(a_jpeg_in_cmyk_is_refused_by_name),
         cmocka_unit_test(grey_of_10_to_16_bits_is_scaled_by_its_bits),
         cmocka_unit_test(a_value_of_more_bits_than_its_format_has_is_refused),
+        cmocka_unit_test(grey_that_names_16_bits_and_uses_fewer_is_refused),
         cmocka_unit_test(pixels_of_two_bytes_under_the_name_of_one_are_refused),
         cmocka_unit_test(raw_pictures_need_every_byte_and_no_more),
         cmocka_unit_test(impossible_sides_and_strides_are_refused),

@@ -159,14 +159,14 @@ static void a_dark_picture_of_an_unknown_depth_is_refused_and_black_is_black(voi
         uint16_t largest;
         const char *bits;
     };
-    for (const Case &c : {Case{255, "8 bits"}, Case{1000, "10 bits"}, Case{4095, "12 bits"},
-                          Case{16383, "14 bits"}}) {
+    for (const Case &c :
+         {Case{255, "more than 8 of them"}, Case{1000, "more than 10 of them"},
+          Case{4095, "more than 12 of them"}, Case{16383, "more than 14 of them"}}) {
         cv::Mat deep(height, width, CV_16UC1, cv::Scalar(1));
         deep.at<uint16_t>(height - 1, width - 1) = c.largest;
         for (const char *extension : {".png", ".pgm", ".tiff"}) {
             const std::string reason = refusal(encoded(extension, deep), VDNA_ERR_UNSUPPORTED);
             assert_true(reason.find(c.bits) != std::string::npos);
-            assert_true(reason.find(std::to_string(c.largest)) != std::string::npos);
         }
         deep.at<uint16_t>(0, 0) = 16384; // needs more bits than any of these cameras has
         decoded(encoded(".png", deep));
