@@ -46,7 +46,7 @@ vdna_backbone_frame CachedFrame::view() const
 }
 
 FrameCache::FrameCache(const Cache &cache, const vdna_backbone_info &backbone)
-    : cache_(cache), network_(std::string("frame 2\n") + backbone.identity.model_sha256 + "\n" +
+    : cache_(cache), network_(std::string("frame 3\n") + backbone.identity.model_sha256 + "\n" +
                               backbone.identity.preprocessing + "\n" + backbone.identity.taps +
                               "\n" + backbone.runtime + "\n")
 {

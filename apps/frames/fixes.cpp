@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include <vdna/camera_time.h>
+
 namespace vdna::frames
 {
 
@@ -16,7 +18,7 @@ constexpr double lowest_m = -12000, highest_m = 100000;
 
 bool is_a_jump(const TimedPosition &a, const TimedPosition &b)
 {
-    const double seconds = (static_cast<double>(b.utime) - static_cast<double>(a.utime)) / 1e6;
+    const double seconds = (static_cast<double>(b.stamp) - static_cast<double>(a.stamp)) / 1e6;
     const double apart = std::hypot(a.ground_m[0] - b.ground_m[0], a.ground_m[1] - b.ground_m[1],
                                     a.ground_m[2] - b.ground_m[2]);
     return apart > noise_m + fastest_m_per_s * seconds;
@@ -63,20 +65,32 @@ const char *text_of(Flaw flaw)
     return " at the time of another";
 }
 
+// The positions of one drive, in order of time.
+std::vector<TimedPosition> in_microseconds(std::vector<TimedPosition> drive)
+{
+    std::vector<int64_t> stamps;
+    for (const TimedPosition &position : drive)
+        stamps.push_back(position.stamp);
+    const uint32_t unit = vdna_time_unit(stamps.data(), stamps.size());
+    for (TimedPosition &position : drive)
+        position.stamp = vdna_time_us(unit, position.stamp);
+    return drive;
+}
+
 } // namespace
 
 std::vector<size_t> jumps_among(std::vector<TimedPosition> positions)
 {
     std::stable_sort(positions.begin(), positions.end(),
                      [](const TimedPosition &a, const TimedPosition &b) {
-                         return std::tie(a.drive, a.utime) < std::tie(b.drive, b.utime);
+                         return std::tie(a.drive, a.stamp) < std::tie(b.drive, b.stamp);
                      });
     std::vector<size_t> rows;
     for (auto begin = positions.begin(); begin != positions.end();) {
         const auto end = std::find_if(begin, positions.end(), [&](const TimedPosition &p) {
             return p.drive != begin->drive;
         });
-        add_jumps({begin, end}, rows);
+        add_jumps(in_microseconds({begin, end}), rows);
         begin = end;
     }
     return rows;

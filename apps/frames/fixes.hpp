@@ -18,7 +18,7 @@ enum class Flaw { incomplete, not_a_number, at_zero, off_the_globe, jump, unplac
 struct TimedPosition {
     size_t row;
     std::string drive; // positions compare within one
-    int64_t utime;     // microseconds
+    int64_t stamp;     // in any unit of vdna/camera_time.h, the same within a drive
     std::array<double, 3> ground_m;
 };
 

@@ -314,7 +314,7 @@ Labels::Labels(const fs::path &csv, const LabelOptions &options)
                        "each one only once; it is also in line " + std::to_string(lines_[place]));
         Label &label = rows_.emplace_back();
         lines_.push_back(row.line);
-        if (cells.has("utime"))
+        if (cells.has("utime") && !cells.is_blank(row, "utime"))
             label.utime = cells.whole<int64_t>(row, "utime");
         label.place = place_of(cells, row);
         positions.read(row, number, drive_of(cells, row), label);

@@ -1,13 +1,13 @@
 #include "frames/picture_list.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <fstream>
 
 #include "frames/natural_order.hpp"
 #include "frames/source.hpp"
 #include "frames/utm_name.hpp"
+#include "picture/files/kind.hpp"
 
 namespace vdna::frames
 {
@@ -17,17 +17,19 @@ namespace
 
 namespace fs = std::filesystem;
 
-// Endings of pictures, among them those of formats that cannot be read, so that nobody misses such
-// a picture without a word.
+template <typename Endings>
+bool is_among(const std::string &ending, const Endings &endings)
+{
+    return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+// Also a picture of a kind that cannot be read, so that nobody misses it without a word.
 bool is_picture(const fs::path &file)
 {
-    static const std::array<const char *, 17> endings = {
-        ".jpg", ".jpeg", ".png", ".webp", ".bmp",  ".ppm",  ".pgm", ".pbm", ".pnm",
-        ".tif", ".tiff", ".gif", ".heic", ".heif", ".avif", ".jxl", ".jp2"};
     std::string ending = file.extension().string();
     for (char &c : ending)
         c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return std::find(endings.begin(), endings.end(), ending) != endings.end();
+    return is_among(ending, picture::file_endings) || is_among(ending, picture::unreadable_endings);
 }
 
 bool is_hidden(const fs::path &file)

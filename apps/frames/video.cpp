@@ -20,6 +20,15 @@ constexpr uint64_t count_tolerance = 1;
 // Above this FFmpeg gives a clock of the container, not the rate of its frames.
 constexpr double rate_hz_max = 1000;
 
+// OpenCV turns a video as its container says, but 4.6 turns a quarter the wrong way round
+// (https://github.com/opencv/opencv/issues/22088).
+bool comes_upside_down(const cv::VideoCapture &video)
+{
+    const double degrees = video.get(cv::CAP_PROP_ORIENTATION_META);
+    return cv::getVersionMajor() == 4 && cv::getVersionMinor() == 6 &&
+           (degrees == 90 || degrees == 270);
+}
+
 class VideoReader : public Reader
 {
   public:
@@ -40,12 +49,15 @@ class VideoReader : public Reader
         const double count = video_.get(cv::CAP_PROP_FRAME_COUNT);
         if (count >= 1)
             size_ = static_cast<uint64_t>(count);
+        upside_down_ = comes_upside_down(video_);
     }
 
     bool read(Frame &out_frame) override
     {
         if (!grab() || !video_.retrieve(picture_))
             return end();
+        if (upside_down_)
+            cv::flip(picture_, picture_, -1);
         out_frame.index = next_ - 1;
         out_frame.name = path_ + ": frame " + std::to_string(out_frame.index);
         out_frame.utime = utime_;
@@ -115,6 +127,7 @@ class VideoReader : public Reader
     bool has_times_ = true;
     cv::VideoCapture video_;
     cv::Mat picture_;
+    bool upside_down_ = false;
     uint64_t next_ = 0;
     int64_t utime_ = 0; // of the frame grabbed last
 };

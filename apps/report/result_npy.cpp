@@ -1,6 +1,8 @@
 #include "report/result_npy.hpp"
 
 #include <algorithm>
+#include <set>
+#include <string_view>
 
 #include "program/print.hpp"
 #include "program/progress.hpp"
@@ -26,7 +28,7 @@ class NpyFiles
             throw Error(directory + ": cannot make this directory: " + failure.message());
     }
 
-    void write_tables() const
+    void write_tables()
     {
         const std::vector<size_t> shape = {evaluation_.queries.size(),
                                            evaluation_.references.size()};
@@ -42,7 +44,7 @@ class NpyFiles
         program::replace_file(directory_ + "/index.json", index.dump(2) + "\n");
     }
 
-    void write_traversals() const
+    void write_traversals()
     {
         for (const eval::Traversal &t : *evaluation_.traversals) {
             const record::Recording &r = t.recording;
@@ -56,7 +58,7 @@ class NpyFiles
         }
     }
 
-    void write_query(const eval::QueryResult &query) const
+    void write_query(const eval::QueryResult &query)
     {
         const std::string &name = traversal(query.traversal).name;
         std::vector<double> emd;
@@ -80,21 +82,30 @@ class NpyFiles
         return (*evaluation_.traversals)[index];
     }
 
-    std::string path(std::string name) const
+    // No other system or archive refuses the name, and no other result has it.
+    std::string path(const std::string &name)
     {
-        std::replace(name.begin(), name.end(), '/', '_');
-        return directory_ + "/" + name + ".npy";
+        std::string portable = name;
+        const auto is_special = [](char c) {
+            return std::string_view("<>:\"/\\|?*").find(c) != std::string_view::npos;
+        };
+        std::replace_if(portable.begin(), portable.end(), is_special, '_');
+        if (!written_.insert(portable).second)
+            throw Error(directory_ + "/" + portable + ".npy: two results have this name, one of " +
+                        "them is " + name + "; rename one of their traversals");
+        return directory_ + "/" + portable + ".npy";
     }
 
     const eval::Evaluation &evaluation_;
     std::string directory_;
+    std::set<std::string> written_; // names without directory and ending
 };
 
 } // namespace
 
 void write_npy_files(const eval::Evaluation &evaluation, const std::string &directory)
 {
-    const NpyFiles files(evaluation, directory);
+    NpyFiles files(evaluation, directory);
     files.write_tables();
     files.write_traversals();
     program::Progress progress("writing .npy files", evaluation.queries.size());

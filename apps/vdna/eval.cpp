@@ -260,7 +260,10 @@ void add_output_options(CLI::App &command, EvalOptions &o)
     command.add_option("--csv", o.csv, "write a row for each query and reference")
         ->type_name("FILE");
     command
-        .add_option("--npy", o.npy, "write matrices and embeddings for NumPy, with an index.json")
+        .add_option(
+            "--npy", o.npy,
+            "write matrices and embeddings for NumPy, with an index.json; '/', ':' and other "
+            "special characters of names become '_'")
         ->type_name("DIR");
     command
         .add_option("--html", o.html,

@@ -1,5 +1,7 @@
 // vdna metrics - evaluates published tables of recalls and distances, without pictures.
 #include <fstream>
+#include <set>
+#include <vector>
 
 #include "eval/published_table.hpp"
 #include "report/result_json.hpp"
@@ -18,10 +20,42 @@ struct MetricsOptions {
     bool json = false;
 };
 
+// The parser would keep the last of two members of one name, so that a table would lose a row.
+class Names
+{
+  public:
+    explicit Names(const std::string &file) : file_(file) {}
+
+    void see(program::Json::parse_event_t event, const program::Json &parsed)
+    {
+        if (event == program::Json::parse_event_t::object_start)
+            of_objects_.emplace_back();
+        else if (event == program::Json::parse_event_t::object_end)
+            of_objects_.pop_back();
+        else if (event == program::Json::parse_event_t::key)
+            add(parsed.get<std::string>());
+    }
+
+  private:
+    void add(const std::string &name)
+    {
+        if (!of_objects_.back().insert(name).second)
+            throw Error(file_ + ": an object has the member '" + name +
+                        "' twice, expected once; remove one of them");
+    }
+
+    const std::string &file_;
+    std::vector<std::set<std::string>> of_objects_; // that are not complete, the innermost last
+};
+
 program::Json parse(std::istream &stream, const std::string &name)
 {
+    Names names(name);
     try {
-        return program::Json::parse(stream);
+        return program::Json::parse(stream, [&](int, auto event, const program::Json &parsed) {
+            names.see(event, parsed);
+            return true;
+        });
     } catch (const program::Json::parse_error &e) {
         // The parser's message repeats bytes of the file, so leave it out.
         throw Error(name + ": not JSON at byte " + std::to_string(e.byte) +

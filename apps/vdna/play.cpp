@@ -114,7 +114,8 @@ void add_play(CLI::App &app)
         ->add_option("-l,--lcm-url", options->url,
                      "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
         ->type_name("URL");
-    command->footer("JPEG files are sent as they are, other pictures as BGR pixels.");
+    command->footer(
+        "JPEG files are sent as they are, other pictures as BGR pixels, turned upright.");
     command->callback([options] {
         options->reading.camera_option = "--channel";
         options->reading.labelled = options->stamp == "recorded";

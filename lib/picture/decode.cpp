@@ -4,8 +4,10 @@
 #include <cctype>
 #include <string>
 
+#include "exif.h"
 #include "failure.hpp"
 #include "jpeg.h"
+#include "levels.hpp"
 #include "limits.hpp"
 #include "pixel_formats.hpp"
 
@@ -15,8 +17,14 @@ namespace vdna::picture
 namespace
 {
 
-constexpr uint32_t bgr_channels = 3;
+constexpr uint32_t bgr_channels = VDNA_TURN_CHANNELS;
 
+size_t longest_row(uint32_t max_pixels)
+{
+    return size_t{bgr_channels} * std::min(max_pixels, VDNA_IMAGE_SIDE_MAX);
+}
+
+// Without the spaces that fill up a short name.
 std::string fourcc_text(uint32_t pixelformat)
 {
     std::string text;
@@ -24,7 +32,7 @@ std::string fourcc_text(uint32_t pixelformat)
         const auto letter = static_cast<unsigned char>(pixelformat >> shift);
         text += std::isprint(letter) ? static_cast<char>(letter) : '?';
     }
-    return text;
+    return text.substr(0, text.find_last_not_of(' ') + 1);
 }
 
 // "MJPG, GREY or RGB3"
@@ -50,13 +58,17 @@ const PixelFormat &format_of(uint32_t fourcc)
     return *found;
 }
 
+// "picture: GREY 640x480, row stride 640, 307200 bytes: "
+std::string layout_text(const vdna_image &image)
+{
+    return "picture: " + fourcc_text(image.pixelformat) + " " + std::to_string(image.width) + "x" +
+           std::to_string(image.height) + ", row stride " + std::to_string(image.row_stride) +
+           ", " + std::to_string(image.size) + " bytes: ";
+}
+
 [[noreturn]] void refuse_layout(const vdna_image &image, const std::string &expected)
 {
-    throw fail::Failure(VDNA_ERR_FORMAT,
-                        "picture: " + fourcc_text(image.pixelformat) + " " +
-                            std::to_string(image.width) + "x" + std::to_string(image.height) +
-                            ", row stride " + std::to_string(image.row_stride) + ", " +
-                            std::to_string(image.size) + " bytes: expected " + expected);
+    throw fail::Failure(VDNA_ERR_FORMAT, layout_text(image) + "expected " + expected);
 }
 
 // Bytes from row to row, checked against the size of a row.
@@ -83,6 +95,26 @@ size_t check_packed(const vdna_image &image, size_t row_bytes)
     return stride;
 }
 
+// Drivers exist that call 16-bit pixels by the name of an 8-bit format. Then a row in the data has
+// twice the bytes, and perhaps some that align it. Half of a larger picture looks the same if its
+// size counts whole rows; it may end at its last pixel instead. A stride beyond twice the row that
+// is a power of two is an alignment of its own, and short rows may be aligned to anything.
+void refuse_two_bytes_a_channel(const vdna_image &image, size_t row_bytes)
+{
+    constexpr size_t alignment = 64;
+    const size_t wide = 2 * row_bytes, stride = image.row_stride;
+    const bool padded = stride > row_bytes;
+    const bool twice = padded ? stride == wide && image.size >= wide * image.height
+                              : image.size == wide * image.height;
+    const bool aligned = stride > wide && stride < wide + alignment &&
+                         (stride & (stride - 1)) != 0 && image.size >= stride * image.height;
+    if (row_bytes >= alignment && (twice || aligned))
+        throw fail::Failure(VDNA_ERR_FORMAT,
+                            layout_text(image) +
+                                "two bytes a channel? this format has one; name 16-bit grey Y16, "
+                                "Y14, Y12 or Y10 by its significant bits, or send 8-bit pixels");
+}
+
 void require_jpeg(const vdna_image &image)
 {
     if (vdna_jpeg_begins(image.data, image.size))
@@ -99,7 +131,8 @@ void require_jpeg(const vdna_image &image)
 
 Decoder::Decoder(uint32_t max_pixels)
     // Left uninitialised, so that it is not resident before a picture needs it.
-    : max_pixels_(max_pixels), bgr_(new uint8_t[size_t{bgr_channels} * max_pixels])
+    : max_pixels_(max_pixels), bgr_(new uint8_t[size_t{bgr_channels} * max_pixels]),
+      row_(new uint8_t[longest_row(max_pixels)])
 {
 }
 
@@ -111,7 +144,8 @@ uint64_t Decoder::bytes_max(uint32_t max_pixels)
     constexpr uint64_t block = 32, components = 3, row_bytes = 4u << 20;
     const uint64_t edge = VDNA_IMAGE_SIDE_MAX + max_pixels / VDNA_IMAGE_SIDE_MAX + block;
     const uint64_t padded = max_pixels + block * edge;
-    return bgr_channels * uint64_t{max_pixels} + 2 * components * padded + row_bytes;
+    return bgr_channels * uint64_t{max_pixels} + longest_row(max_pixels) + 2 * components * padded +
+           row_bytes;
 }
 
 vdna_pixels Decoder::decode(const vdna_image &image)
@@ -125,6 +159,8 @@ vdna_pixels Decoder::decode(const vdna_image &image)
         return encoded(image);
     if (format.arrangement == Arrangement::packed)
         return packed(image, format);
+    if (format.arrangement == Arrangement::words)
+        return words(image, format);
     if (format.arrangement == Arrangement::yuv422)
         return yuv422(image, format);
     return yuv420(image, format);
@@ -139,23 +175,49 @@ vdna_pixels Decoder::own_bgr(uint32_t width, uint32_t height) const
 vdna_pixels Decoder::packed(const vdna_image &image, const PixelFormat &format) const
 {
     check_sides(image.width, image.height, max_pixels_);
-    const size_t stride = check_packed(image, size_t{image.width} * format.channels);
+    const size_t row_bytes = size_t{image.width} * format.channels;
+    refuse_two_bytes_a_channel(image, row_bytes);
+    const size_t stride = check_packed(image, row_bytes);
     const auto [red, green, blue] = format.rgb;
     return {image.data, stride, image.width, image.height, format.channels, {red, green, blue}};
+}
+
+vdna_pixels Decoder::words(const vdna_image &image, const PixelFormat &format)
+{
+    check_sides(image.width, image.height, max_pixels_);
+    const size_t stride = check_packed(image, size_t{2} * image.width);
+    uint32_t used = 0;
+    for (size_t y = 0; y < image.height; y++)
+        used |= words_to_grey(image.data + y * stride, image.width, format.bits,
+                              bgr_.get() + y * image.width);
+    if (used >> format.bits != 0)
+        throw fail::Failure(VDNA_ERR_FORMAT, layout_text(image) + "has values of more than " +
+                                                 std::to_string(format.bits) +
+                                                 " bits; name the format by its significant bits");
+    const uint32_t bits = format.bits == 16 ? fewer_than_16_bits(used) : 0;
+    if (bits != 0)
+        throw fail::Failure(VDNA_ERR_UNSUPPORTED,
+                            layout_text(image) + fewer_bits_text(bits) +
+                                "name the format by its significant bits, Y10, Y12 or Y14");
+    return {bgr_.get(), image.width, image.width, image.height, 1, {0, 0, 0}};
 }
 
 vdna_pixels Decoder::encoded(const vdna_image &image)
 {
     require_jpeg(image);
     char reason[VDNA_JPEG_REASON_MAX];
-    uint32_t width, height;
-    if (!vdna_jpeg_size(image.data, image.size, &width, &height, reason))
+    vdna_jpeg_shape stored;
+    if (!vdna_jpeg_shape_of(image.data, image.size, &stored, reason))
         throw fail::Failure(VDNA_ERR_FORMAT, std::string("JPEG picture: ") + reason);
-    check_sides(width, height, max_pixels_);
-    const vdna_pixels pixels = own_bgr(width, height);
-    if (!vdna_jpeg_decode(image.data, image.size, bgr_.get(), pixels.stride, reason))
+    check_sides(stored.width, stored.height, max_pixels_);
+    if (stored.channels == 4)
+        throw fail::Failure(VDNA_ERR_UNSUPPORTED, "JPEG picture: its colours are CMYK, inks of "
+                                                  "print; convert it to RGB");
+    const vdna_turn turn =
+        vdna_turn_of(vdna_jpeg_orientation(image.data, image.size), stored.width, stored.height);
+    if (!vdna_jpeg_decode(image.data, image.size, &turn, row_.get(), bgr_.get(), reason))
         throw fail::Failure(VDNA_ERR_FORMAT, std::string("JPEG picture: ") + reason);
-    return pixels;
+    return own_bgr(turn.width, turn.height);
 }
 
 vdna_pixels Decoder::yuv422(const vdna_image &image, const PixelFormat &format)

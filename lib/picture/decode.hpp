@@ -28,10 +28,12 @@ class Decoder
     vdna_pixels encoded(const vdna_image &image);
     vdna_pixels yuv422(const vdna_image &image, const PixelFormat &format);
     vdna_pixels yuv420(const vdna_image &image, const PixelFormat &format);
+    vdna_pixels words(const vdna_image &image, const PixelFormat &format);
     vdna_pixels own_bgr(uint32_t width, uint32_t height) const;
 
     uint32_t max_pixels_;
     std::unique_ptr<uint8_t[]> bgr_; // 3 * max_pixels_ bytes
+    std::unique_ptr<uint8_t[]> row_; // the longest row of a picture that is to be turned
 };
 
 } // namespace vdna::picture

@@ -19,8 +19,9 @@ typedef struct jpeg_reader {
     char *reason;
     const uint8_t *data;
     size_t size;
+    const vdna_turn *turn;
+    uint8_t *row;
     uint8_t *out_bgr;
-    size_t stride;
 } jpeg_reader;
 
 /* libjpeg cannot return from an error, so its handlers leave by longjmp. */
@@ -63,12 +64,17 @@ static void read_header(jpeg_reader *reader)
 static void read_picture(jpeg_reader *reader)
 {
     struct jpeg_decompress_struct *jpeg = &reader->jpeg;
+    const vdna_turn *turn = reader->turn;
     read_header(reader);
     jpeg->out_color_space = JCS_EXT_BGR;
     jpeg_start_decompress(jpeg);
     while (jpeg->output_scanline < jpeg->output_height) {
-        JSAMPROW row = reader->out_bgr + reader->stride * jpeg->output_scanline;
+        const size_t y = jpeg->output_scanline;
+        const int in_place = vdna_turn_keeps_rows(turn);
+        JSAMPROW row = in_place ? vdna_turn_begin(turn, reader->out_bgr, y) : reader->row;
         jpeg_read_scanlines(jpeg, &row, 1);
+        if (!in_place)
+            vdna_turn_row(turn, row, jpeg->output_width, y, reader->out_bgr);
     }
     /* Reads on to the end marker, which a picture that was cut short lacks. */
     jpeg_finish_decompress(jpeg);
@@ -99,22 +105,22 @@ int vdna_jpeg_begins(const uint8_t *data, size_t size)
 }
 
 /* see jpeg.h */
-int vdna_jpeg_size(const uint8_t *data, size_t size, uint32_t *out_width, uint32_t *out_height,
-                   char *reason)
+int vdna_jpeg_shape_of(const uint8_t *data, size_t size, vdna_jpeg_shape *out_shape, char *reason)
 {
     jpeg_reader reader = {.reason = reason, .data = data, .size = size};
     if (!attempt(&reader, read_header))
         return 0;
-    *out_width = reader.jpeg.image_width;
-    *out_height = reader.jpeg.image_height;
+    out_shape->width = reader.jpeg.image_width;
+    out_shape->height = reader.jpeg.image_height;
+    out_shape->channels = (uint32_t)reader.jpeg.num_components;
     return 1;
 }
 
 /* see jpeg.h */
-int vdna_jpeg_decode(const uint8_t *data, size_t size, uint8_t *out_bgr, size_t stride,
-                     char *reason)
+int vdna_jpeg_decode(const uint8_t *data, size_t size, const vdna_turn *turn, uint8_t *row,
+                     uint8_t *out_bgr, char *reason)
 {
     jpeg_reader reader = {
-        .reason = reason, .data = data, .size = size, .out_bgr = out_bgr, .stride = stride};
+        .reason = reason, .data = data, .size = size, .turn = turn, .row = row, .out_bgr = out_bgr};
     return attempt(&reader, read_picture);
 }

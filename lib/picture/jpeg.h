@@ -6,6 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "turn.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -16,14 +18,21 @@ extern "C" {
 /* Does a JPEG picture begin here? 1 or 0. */
 int vdna_jpeg_begins(const uint8_t *data, size_t size);
 
-/* Read width and height, in pixels. Returns 1, or 0 with `reason` filled. */
-int vdna_jpeg_size(const uint8_t *data, size_t size, uint32_t *out_width, uint32_t *out_height,
-                   char *reason);
+/* A picture as it is stored. */
+typedef struct vdna_jpeg_shape {
+    uint32_t width, height; /* pixels */
+    uint32_t channels;      /* 1 is grey, 3 is colour, 4 are the inks of print */
+} vdna_jpeg_shape;
 
-/* Decode into `out_bgr`, rows of `stride` bytes, sized by vdna_jpeg_size() of the same bytes.
- * An orientation in EXIF is not applied. Returns 1, or 0 with `reason` filled. */
-int vdna_jpeg_decode(const uint8_t *data, size_t size, uint8_t *out_bgr, size_t stride,
-                     char *reason);
+/* Read the shape from the header. Returns 1, or 0 with `reason` filled. */
+int vdna_jpeg_shape_of(const uint8_t *data, size_t size, vdna_jpeg_shape *out_shape, char *reason);
+
+/* Decode into `out_bgr`, packed rows of the picture as `turn` makes it, which was made for the
+ * size that vdna_jpeg_shape_of() read from the same bytes.
+ * row: room for one row as it is stored; used only if `turn` does not keep rows
+ * Returns 1, or 0 with `reason` filled. */
+int vdna_jpeg_decode(const uint8_t *data, size_t size, const vdna_turn *turn, uint8_t *row,
+                     uint8_t *out_bgr, char *reason);
 
 #ifdef __cplusplus
 }

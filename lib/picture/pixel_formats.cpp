@@ -43,6 +43,11 @@ constexpr PixelFormat packed(uint32_t fourcc, uint32_t channels, std::array<uint
     return {fourcc, Arrangement::packed, nullptr, channels, rgb};
 }
 
+constexpr PixelFormat words(uint32_t fourcc, uint32_t bits)
+{
+    return {fourcc, Arrangement::words, nullptr, 0, {}, bits};
+}
+
 const PixelFormat table[] = {
     {VDNA_PIXEL_MJPG, Arrangement::jpeg},
     packed(VDNA_PIXEL_GREY, 1, {0, 0, 0}),
@@ -50,6 +55,11 @@ const PixelFormat table[] = {
     packed(VDNA_PIXEL_BGR3, 3, {2, 1, 0}),
     packed(VDNA_PIXEL_RGB4, 4, {0, 1, 2}),
     packed(VDNA_PIXEL_BGR4, 4, {2, 1, 0}),
+    words(VDNA_PIXEL_Y10, 10),
+    words(VDNA_PIXEL_Y12, 12),
+    words(VDNA_PIXEL_Y14, 14),
+    words(VDNA_PIXEL_Y16, 16),
+    words(VDNA_PIXEL_LG16, 16),
     {VDNA_PIXEL_YUYV, Arrangement::yuv422, yuyv_to_bgr},
     {VDNA_PIXEL_UYVY, Arrangement::yuv422, uyvy_to_bgr},
     {VDNA_PIXEL_I420, Arrangement::yuv420, i420_to_bgr},
@@ -58,6 +68,21 @@ const PixelFormat table[] = {
 };
 
 } // namespace
+
+VDNA_VECTORISED_FROM_V2 uint32_t words_to_grey(const uint8_t *row, size_t width, uint32_t bits,
+                                               uint8_t *out_grey)
+{
+    const uint32_t white = (1u << bits) - 1;
+    uint32_t used = 0;
+    for (size_t x = 0; x < width; x++) {
+        const uint32_t value = row[2 * x] | static_cast<uint32_t>(row[2 * x + 1]) << 8;
+        used |= value;
+        // n / white, exactly, for n < 2^(2 bits) - 1: vectors cannot divide.
+        const uint32_t n = value * 255 + white / 2;
+        out_grey[x] = static_cast<uint8_t>((n + (n >> bits) + 1) >> bits);
+    }
+    return used;
+}
 
 const PixelFormats pixel_formats = {std::begin(table), std::end(table)};
 

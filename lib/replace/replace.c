@@ -79,12 +79,28 @@ static int create_partial(vdna_replace *file)
     return -1;
 }
 
+/* Whether there is something at `name` that renaming would destroy: a link, or /dev/null. What
+ * becomes of a directory, rename() says. */
+static int is_special(int directory, const char *name)
+{
+    struct stat found;
+    return fstatat(directory, name, &found, AT_SYMLINK_NOFOLLOW) == 0 && !S_ISREG(found.st_mode) &&
+           !S_ISDIR(found.st_mode);
+}
+
 /* Begin in a directory that was just opened; -1 and errno if that failed. */
 static vdna_status begin(int directory, const char *path, const char *name, vdna_error *error,
                          vdna_replace *out_file)
 {
     if (directory < 0)
         return refused(path, "open its directory", error);
+    if (is_special(directory, name)) {
+        close(directory);
+        return vdna_fail(error, VDNA_ERR_IO,
+                         "%s: is a symbolic link or a device, which a file would replace; give the"
+                         " path of the file itself, or remove it first",
+                         path);
+    }
     out_file->path = path;
     out_file->name = name;
     out_file->directory = directory;

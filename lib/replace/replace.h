@@ -37,7 +37,8 @@ typedef struct vdna_replace {
     char partial[VDNA_REPLACE_NAME_SIZE]; /* its name until it is complete */
 } vdna_replace;
 
-/* Create the new file beside `path`.
+/* Create the new file beside `path`. A symbolic link or a device there is refused, because the new
+ * file would take its place.
  * @return VDNA_OK; VDNA_ERR_IO */
 vdna_status vdna_replace_begin(const char *path, vdna_error *error, vdna_replace *out_file);
 

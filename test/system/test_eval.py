@@ -10,6 +10,7 @@ import hashlib
 import json
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -101,7 +102,7 @@ class Exported:
         self.queries, self.references = index["queries"], index["references"]
 
     def load(self, name):
-        return np.load(self.folder / (name.replace("/", "_") + ".npy"))
+        return np.load(self.folder / (re.sub('[<>:"/\\\\|?*]', "_", name) + ".npy"))
 
     def truth(self, name):
         kind = "position_" if self.json["unit"] == "metres" else "place_"

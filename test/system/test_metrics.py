@@ -163,6 +163,17 @@ class Metrics(unittest.TestCase):
                      '{"recall": {"a": {"b": 1e999}}, "distance": {}}'):
             self.refused(text)
 
+    def test_a_member_that_occurs_twice_is_refused_by_name(self):
+        row = '{"q": {"a": 1, "b": 2}}'
+        for text, name in (('{"recall": %s, "distance": {"dna": %s}, "recall": %s}', "recall"),
+                           ('{"recall": %s, "distance": {"dna": %s, "dna": %s}}', "dna"),
+                           ('{"recall": {"q": {"a": 1, "a": 2}}, "distance": {"dna": %s}%.0s%.0s}',
+                            "a")):
+            result = subprocess.run([VDNA, "metrics", "-"], input=text % (row, row, row),
+                                    capture_output=True, text=True, check=False)
+            self.assertEqual((result.returncode, result.stdout), (1, ""))
+            self.assertIn(f"'{name}' twice", result.stderr)
+
     def test_without_json_a_table_is_printed(self):
         done = self.run_metrics(json.dumps(TEST_2))
         self.assertRegex(done.stdout, r"(?m)^pixel +5\.867 ")

@@ -14,6 +14,11 @@
 #define VDNA_PIXEL_ENCODED 0u /**< a file; its contents give kind and size */
 #define VDNA_PIXEL_MJPG VDNA_FOURCC('M', 'J', 'P', 'G') /**< one JPEG picture */
 #define VDNA_PIXEL_GREY VDNA_FOURCC('G', 'R', 'E', 'Y') /**< 8-bit grey */
+#define VDNA_PIXEL_Y10 VDNA_FOURCC('Y', '1', '0', ' ')  /**< 10-bit grey, low byte first */
+#define VDNA_PIXEL_Y12 VDNA_FOURCC('Y', '1', '2', ' ')  /**< 12-bit grey, as Y10 */
+#define VDNA_PIXEL_Y14 VDNA_FOURCC('Y', '1', '4', ' ')  /**< 14-bit grey, as Y10 */
+#define VDNA_PIXEL_Y16 VDNA_FOURCC('Y', '1', '6', ' ')  /**< 16-bit grey, as Y10 */
+#define VDNA_PIXEL_LG16 VDNA_FOURCC('L', 'G', '1', '6') /**< another name for Y16, of bot_core */
 #define VDNA_PIXEL_RGB3 VDNA_FOURCC('R', 'G', 'B', '3') /**< 24-bit R, G, B */
 #define VDNA_PIXEL_BGR3 VDNA_FOURCC('B', 'G', 'R', '3') /**< 24-bit B, G, R */
 #define VDNA_PIXEL_RGB4 VDNA_FOURCC('R', 'G', 'B', '4') /**< 32-bit R, G, B, unused */

@@ -48,14 +48,19 @@ VDNA_API void vdna_decoder_close(vdna_decoder *decoder);
  *  @return bytes; 0 if max_pixels is out of its range */
 VDNA_API uint64_t vdna_decoder_bytes_max(uint32_t max_pixels);
 
-/** Decode one picture. Rules that vdna/image.h leaves open:
- *   - rows may be padded; the last row of a packed format may end at its last pixel;
+/** Decode one picture. docs/reference/pictures.md has the contract for all ways in: orientation,
+ *  depth, transparency, colour. Rules that vdna/image.h leaves open:
+ *   - rows may be padded; the last row of a packed format may end at its last pixel; rows of two
+ *     bytes a channel in an 8-bit format are refused;
+ *   - Y10, Y12, Y14 and Y16 are scaled to 8 bits; a value of more bits than that is refused, and
+ *     Y16 whose values use 14 bits at most, unless it is black;
  *   - 4:2:2 formats have an even width; 4:2:0 formats have whole rows and even width, height and
  *     row_stride, and the chroma rows of I420 have half of that stride;
  *   - YUV is BT.601 with 16..235, as cameras give it; JPEG is full range;
  *   - VDNA_PIXEL_ENCODED must hold a JPEG picture, as VDNA_PIXEL_MJPG does;
  *   - a JPEG picture is decoded completely or refused;
- *   - an orientation in EXIF is not applied, because a camera's frames have none.
+ *   - a JPEG picture is turned as its EXIF says, in either format; a damaged EXIF block says
+ *     nothing. One in CMYK is refused.
  *  @param decoder  an open one
  *  @param image  any content; checked in full before a byte of it is used
  *  @param error  filled on failure; NULL = not wanted
@@ -63,7 +68,8 @@ VDNA_API uint64_t vdna_decoder_bytes_max(uint32_t max_pixels);
  *                     formats that need no conversion
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_FORMAT if the picture is damaged or its fields
  *          contradict one another; VDNA_ERR_UNSUPPORTED for an unknown pixel format, an encoded
- *          picture that is no JPEG, or one with too many pixels; VDNA_ERR_NOMEM */
+ *          picture that is no JPEG or is one in CMYK, 16 bits that are not used, or one with too
+ *          many pixels; VDNA_ERR_NOMEM */
 VDNA_API vdna_status vdna_decoder_decode(vdna_decoder *decoder, const vdna_image *image,
                                          vdna_error *error, vdna_pixels *out_pixels);
 

@@ -14,12 +14,10 @@ class FileConverter
   public:
     // The bytes of a JPEG, PNG, WebP, BMP, PNM or TIFF file as a picture in a camera's format: a
     // JPEG file as it is, as MJPG; any other decoded, as BGR3. So a folder of pictures, a log of
-    // them as camera messages and the robot's own camera go through one decoder.
+    // them as camera messages and the robot's own camera go through one decoder, which turns JPEG
+    // pictures; the others are turned here. docs/reference/pictures.md has the contract.
     //  - width and height are read from the header before anything is allocated for them, and are
-    //    limited by VDNA_IMAGE_SIDE_MAX and VDNA_IMAGE_PIXELS_MAX;
-    //  - an orientation in EXIF is not applied, because a camera's frames have none;
-    //  - transparency is dropped, and grey becomes colour;
-    //  - 16-bit channels keep their upper 8 bits; those of TIFF are divided by 257, by libtiff.
+    //    limited by VDNA_IMAGE_SIDE_MAX and VDNA_IMAGE_PIXELS_MAX.
     // The result is borrowed from `data` or, until the next call, from the converter.
     // Throws Failure: VDNA_ERR_FORMAT for a damaged file, VDNA_ERR_UNSUPPORTED for one of another
     // kind or one too large, VDNA_ERR_NOMEM. Whether a JPEG file is damaged shows only when it is

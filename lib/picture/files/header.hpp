@@ -1,18 +1,20 @@
-// Width and height of a picture file, read from its header before anything is allocated for it.
+// What the header of a PNG, WebP or BMP file says, read before anything is allocated for it.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
+#include "picture/files/bytes.hpp"
 
 namespace vdna::picture
 {
 
-struct Sides {
-    uint32_t width, height; // pixels
+struct Header {
+    uint32_t width, height; // pixels, as they are stored
+    uint32_t orientation;   // as in EXIF, 1..8
 };
 
-// Of a PNG, WebP, BMP, PNM or TIFF file, told by its signature. Throws Failure: VDNA_ERR_FORMAT for
-// a header cut short or damaged, VDNA_ERR_UNSUPPORTED for any other file.
-Sides read_sides(const uint8_t *data, size_t size);
+// Each throws Failure: VDNA_ERR_FORMAT for a header cut short or damaged, VDNA_ERR_UNSUPPORTED for
+// a picture of a kind that is not read. A damaged orientation is none.
+Header png_header(const Bytes &file);
+Header webp_header(const Bytes &file);
+Header bmp_header(const Bytes &file);
 
 } // namespace vdna::picture

@@ -192,6 +192,13 @@ def test_the_runtime_within_the_package_onnxruntime_is_found(manifest, monkeypat
 
 
 @needs_backbone
+def upside_down(jpeg):
+    """The JPEG with EXIF that says so."""
+    block = b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x03\0\0\0\0\0\0"
+    segment = b"Exif\0\0" + block
+    return jpeg[:2] + b"\xff\xe1" + (len(segment) + 2).to_bytes(2, "big") + segment + jpeg[2:]
+
+
 def test_pictures_give_what_vdna_makes_of_them(manifest, tiny, tmp_path):
     program = os.environ.get("VDNA")
     if program is None:
@@ -215,6 +222,17 @@ def test_pictures_give_what_vdna_makes_of_them(manifest, tiny, tmp_path):
         assert frame.grey == grey
         histogram.add(*(tap.values for tap in frame.taps))
     np.testing.assert_array_equal(histogram.counts, experience.histogram.counts)
+    turned = tiny.run(upside_down(jpegs[-1].read_bytes()))
+    np.testing.assert_array_equal(turned.taps[0].values, frame.taps[0].values[::-1])
+
+
+@needs_backbone
+def test_a_picture_with_a_mask_or_of_another_depth_is_refused(tiny):
+    masked = np.ma.masked_array(np.zeros((4, 4), np.uint8), mask=np.eye(4))
+    with pytest.raises(TypeError, match="masked array.*filled"):
+        tiny.run(masked)
+    with pytest.raises(TypeError, match="uint16, expected uint8; scale it"):
+        tiny.run(np.zeros((4, 4), np.uint16))
 
 
 @needs_backbone

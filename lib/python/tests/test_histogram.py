@@ -246,3 +246,14 @@ def test_ranges_refuse_what_they_cannot_use():
 def test_the_package_says_what_it_offers():
     for name in libvdna.__all__:
         assert getattr(libvdna, name).__doc__, name
+
+
+def test_a_mask_is_not_dropped_without_a_word():
+    masked = np.ma.masked_array(np.zeros((2, 3), np.float32), mask=[[0, 0, 0], [1, 1, 1]])
+    histogram = histogram_of([np.zeros((1, 3))], np.array([[-1, 1]] * 3, np.float32), 7)
+    for activations in (masked, [masked[0], masked[1]]):
+        with pytest.raises(TypeError, match="masked array.*filled"):
+            histogram.add(activations)
+    with pytest.raises(TypeError, match="masked array.*filled"):
+        Ranges(3).observe(masked)
+    assert histogram.frames == 1

@@ -1,5 +1,6 @@
 // Any bytes as a picture of any format, and as a file of any kind: it is either decoded or refused
-// with a Failure.
+// with a Failure. Any bytes as an EXIF block, and in a JPEG, PNG or TIFF file: it states one of
+// eight orientations.
 //
 // The first 13 bytes are the fields of vdna_image (pixel format, width, height, row stride); the
 // rest is its data.
@@ -10,10 +11,13 @@
 #include <iterator>
 #include <vector>
 
+#include <exif_block.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <tiff_tag.hpp>
 
 #include "failure.hpp"
 #include "picture/decode.hpp"
+#include "picture/exif.h"
 #include "picture/files/file_converter.hpp"
 #include "picture/mean_grey.hpp"
 #include "picture/pixel_formats.hpp"
@@ -21,14 +25,17 @@
 namespace
 {
 
-// Not pixel formats: the data is a file that the tools convert first; no format that we know.
+// Not pixel formats: the data is a file that the tools convert first; no format that we know; an
+// EXIF block.
 constexpr uint32_t file = VDNA_FOURCC('F', 'I', 'L', 'E'),
-                   unknown = VDNA_FOURCC('N', 'O', 'N', 'E');
-constexpr size_t others = 3; // before the pixel formats
+                   unknown = VDNA_FOURCC('N', 'O', 'N', 'E'),
+                   exif = VDNA_FOURCC('E', 'X', 'I', 'F');
+constexpr uint8_t exif_index = 3;
+constexpr size_t others = 4; // before the pixel formats
 
 std::vector<uint32_t> formats_tried()
 {
-    std::vector<uint32_t> tried = {file, VDNA_PIXEL_ENCODED, unknown};
+    std::vector<uint32_t> tried = {file, VDNA_PIXEL_ENCODED, unknown, exif};
     for (const vdna::picture::PixelFormat &format : vdna::picture::pixel_formats)
         tried.push_back(format.fourcc);
     return tried;
@@ -36,22 +43,55 @@ std::vector<uint32_t> formats_tried()
 const std::vector<uint32_t> formats = formats_tried();
 const char *const encodings[] = {".jpg", ".png", ".webp", ".bmp", ".ppm", ".tiff"};
 
+// More seeds: files that are turned, of 16 bits, text, and a block alone.
+enum Seed { turned_jpeg, turned_tiff, deep_png, deep_tiff, pnm_text, block_alone, more_seeds };
+
 constexpr size_t head_size = 13;
 constexpr uint32_t side = 8;
 constexpr uint32_t pixels_max = 1 << 20;
 
-// One seed per encoding, then one per pixel format; that of MJPG is refused.
+std::vector<uint8_t> encoded(const char *encoding, int type = CV_8UC3, double scale = 1)
+{
+    std::vector<uint8_t> bytes;
+    cv::imencode(encoding, cv::Mat(side, side, type, scale * cv::Scalar(10, 100, 200)), bytes);
+    return bytes;
+}
+
+std::vector<uint8_t> another_seed(size_t index)
+{
+    switch (index) {
+    case turned_jpeg:
+        return jpeg_with_exif(encoded(".jpg"), exif_block(6));
+    case turned_tiff:
+        return tiff_with(encoded(".tiff"), 274, 7);
+    case deep_png:
+        return encoded(".png", CV_16UC3, 257);
+    case deep_tiff:
+        return encoded(".tiff", CV_16UC1, 6000);
+    case pnm_text:
+        return {'P', '2', ' ', '2', ' ', '1', ' ', '9', ' ', '0', ' ', '5', ' '};
+    default:
+        return exif_block(8, true);
+    }
+}
+
+// One seed per encoding, then one per pixel format, of which that of MJPG is refused, then more.
 std::vector<uint8_t> seed_of(size_t index)
 {
+    const size_t raw = formats.size() - others;
     std::vector<uint8_t> seed(head_size);
     std::memcpy(&seed[1], &side, sizeof side);
     std::memcpy(&seed[5], &side, sizeof side);
-    std::vector<uint8_t> bytes(size_t{side} * side * 4, 128); // enough for the widest format
-    if (index < std::size(encodings))
-        cv::imencode(encodings[index], cv::Mat(side, side, CV_8UC3, cv::Scalar(10, 100, 200)),
-                     bytes);
-    else
+    std::vector<uint8_t> bytes(size_t{side} * side * 4); // black, enough for the widest format
+    if (index < std::size(encodings)) {
+        bytes = encoded(encodings[index]);
+    } else if (index < std::size(encodings) + raw) {
         seed[0] = static_cast<uint8_t>(index - std::size(encodings) + others);
+    } else {
+        index -= std::size(encodings) + raw;
+        bytes = another_seed(index);
+        seed[0] = index == block_alone ? exif_index : 0;
+    }
     seed.insert(seed.end(), bytes.begin(), bytes.end());
     return seed;
 }
@@ -66,7 +106,7 @@ vdna_image camera_image(const vdna_image &image, vdna::picture::FileConverter &c
 
 extern "C" size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
 {
-    if (index >= std::size(encodings) + formats.size() - others)
+    if (index >= std::size(encodings) + formats.size() - others + more_seeds)
         return 0;
     const std::vector<uint8_t> seed = seed_of(index);
     if (seed.size() > capacity)
@@ -84,6 +124,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     std::memcpy(&image.width, data + 1, sizeof image.width);
     std::memcpy(&image.height, data + 5, sizeof image.height);
     std::memcpy(&image.row_stride, data + 9, sizeof image.row_stride);
+
+    const uint32_t orientation = image.pixelformat == exif
+                                     ? vdna_exif_orientation(image.data, image.size)
+                                     : vdna_jpeg_orientation(image.data, image.size);
+    if (orientation < 1 || orientation > 8)
+        std::abort();
 
     // Small, because sanitizers mark all of its memory anew for each input.
     vdna::picture::Decoder decoder(pixels_max);

@@ -52,11 +52,14 @@ def quoted(chance, cell):
 def drive(chance):
     """A table of a plausible drive with timed positions, some of them elsewhere."""
     rows, x = [["file", "utime", "x", "y"]], 0.0
+    second, begin = chance.choice([(10**6, 0), (10**6, 17 * 10**14), (10**9, 17 * 10**17),
+                                   (10**3, 17 * 10**11), (10**3, 0), (1, 17 * 10**8), (1, 0)])
     for i in range(chance.randrange(3, 20)):
         x += chance.uniform(0, 30)
         away = chance.choice([0, 0, 0, 0, 0, chance.uniform(-300, 300), 5000, 5010])
         rows.append([PICTURES[i] if i in (0, 4) else f"{i}.jpg",
-                     str(i * chance.choice([1_000_000, 1_000_000, 900_000])), f"{x:.3f}", f"{away:.3f}"])
+                     str(begin + i * second * chance.choice([10, 10, 9]) // 10), f"{x:.3f}",
+                     f"{away:.3f}"])
     return rows
 
 
@@ -177,8 +180,22 @@ def flaw_of(degrees, a, b, height):
     return None
 
 
+def microseconds(stamps):
+    """The rule of vdna/camera_time.h."""
+    spacings = sorted([abs(b - a) for a, b in zip(stamps, stamps[1:]) if a != b][:8])
+    spacing, first = spacings[len(spacings) // 2] if spacings else 0, stamps[0]
+    if first >= 10**17:
+        return [int(math.copysign(abs(stamp) // 1000, stamp)) for stamp in stamps]
+    if first >= 10**14 or spacing == 0 or spacing >= 500:
+        return stamps
+    is_ms = 10**12 <= first < 4 * 10**12 or not 10**9 <= first < 4 * 10**9 and spacing > 2
+    return [max(-2**63, min(2**63 - 1, stamp * (1000 if is_ms else 10**6))) for stamp in stamps]
+
+
 def jumps(timed):
-    """Indices of labels; timed: (utime, ground, index) of one drive in order of time."""
+    """Indices of labels; timed: (stamp, ground, index) of one drive in order of time."""
+    timed = [(us, *rest) for us, (_, *rest) in zip(microseconds([t[0] for t in timed]), timed)]
+
     def far(i, j):
         return (math.dist(timed[i][1], timed[j][1])
                 > 25 + 100 * (timed[j][0] - timed[i][0]) / 1e6)
@@ -204,7 +221,9 @@ def labels_of(header, rows):
     labels, flaws, drives, frames, taken = [], [0] * 5, {}, set(), 0
     for row in rows:
         name = row["file"] if "file" in row else whole(row["frame"], 0, 2**64 - 1)
-        utime = whole(row["utime"], -2**63, 2**63 - 1) if "utime" in row else None
+        utime = None
+        if row.get("utime", "").strip(" \t"):
+            utime = whole(row["utime"], -2**63, 2**63 - 1)
         place = (whole(row["place"], 1 - 2**63, 2**63 - 1)
                  if row.get("place", "").strip(" \t") else None)
         position = frame = None

@@ -1,5 +1,6 @@
 // Decoding: every pixel format gives the picture, and bytes that are none are refused.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include <cmocka.hpp>
 #include <counted_new.hpp>
+#include <exif_block.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -179,8 +181,9 @@ static std::string refusal(const vdna_image &image, vdna_status status,
 static void every_colour_format_is_tried(void **)
 {
     for (const picture::PixelFormat &format : picture::pixel_formats) {
-        const bool is_colour =
-            format.arrangement != picture::Arrangement::jpeg && format.channels != 1;
+        const bool is_colour = format.arrangement != picture::Arrangement::jpeg &&
+                               format.arrangement != picture::Arrangement::words &&
+                               format.channels != 1;
         const auto tried = std::count_if(trials.begin(), trials.end(), [&](const Trial &trial) {
             return trial.fourcc == format.fourcc;
         });
@@ -339,7 +342,7 @@ static void an_encoded_picture_that_is_no_jpeg_is_refused_with_what_to_do(void *
 static void a_picture_of_one_pixel_too_many_is_refused_in_every_format(void **)
 {
     constexpr uint32_t pixels = width * height;
-    const Bytes jpeg = encoded(".jpg"), raw(size_t{4} * pixels, 128);
+    const Bytes jpeg = encoded(".jpg"), raw(size_t{4} * pixels, 0);
     std::vector<vdna_image> images;
     for (const picture::PixelFormat &format : picture::pixel_formats) {
         const bool is_jpeg = format.arrangement == picture::Arrangement::jpeg;
@@ -378,7 +381,8 @@ static void mean_grey_weighs_the_channels_over_the_whole_picture(void **)
 
 static void no_picture_costs_an_allocation(void **)
 {
-    const Bytes jpeg = encoded(".jpg"), raw(size_t{4} * width * height, 128);
+    const Bytes jpeg = encoded(".jpg"), turned = jpeg_with_exif(jpeg, exif_block(6)),
+                raw(size_t{4} * width * height, 0), bright(size_t{2} * width * height, 200);
     Decoder decoder(width * height);
     const size_t before = allocations;
     for (const picture::PixelFormat &format : picture::pixel_formats)
@@ -388,6 +392,8 @@ static void no_picture_costs_an_allocation(void **)
                     picture::mean_grey(
                         decoder.decode({raw.data(), raw.size(), columns, rows, 0, format.fourcc}));
     picture::mean_grey(decoder.decode(image_of(jpeg, VDNA_PIXEL_MJPG)));
+    picture::mean_grey(decoder.decode(image_of(turned, VDNA_PIXEL_MJPG)));
+    picture::mean_grey(decoder.decode(image_of(bright, VDNA_PIXEL_Y16)));
     assert_int_equal(allocations, before);
 }
 
@@ -449,14 +455,160 @@ static void a_jpeg_that_claims_a_huge_picture_is_refused_unread(void **)
     refusal(image_of(jpeg, VDNA_PIXEL_MJPG), VDNA_ERR_UNSUPPORTED);
 }
 
-static void an_orientation_in_exif_is_not_applied(void **)
+// A copy of decoded BGR pixels.
+static cv::Mat decoded_bgr(const vdna_image &image)
 {
-    // "Turn by 90 degrees" would swap the sides.
-    const char exif[] = "\xff\xe1\0\x22"
-                        "Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0";
-    Bytes bytes = encoded(".jpg");
-    bytes.insert(bytes.begin() + 2, exif, exif + 36);
-    assert_is_the_picture(image_of(bytes, VDNA_PIXEL_ENCODED), 12);
+    Decoder decoder(width * height);
+    const vdna_pixels pixels = decoder.decode(image);
+    assert_int_equal(pixels.channels, 3);
+    return cv::Mat(static_cast<int>(pixels.height), static_cast<int>(pixels.width), CV_8UC3,
+                   const_cast<uint8_t *>(pixels.data), pixels.stride)
+        .clone();
+}
+
+static void assert_same(const cv::Mat &found, const cv::Mat &expected)
+{
+    assert_int_equal(found.rows, expected.rows);
+    assert_int_equal(found.cols, expected.cols);
+    assert_int_equal(cv::norm(found, expected, cv::NORM_INF), 0);
+}
+
+static void a_jpeg_is_turned_as_its_exif_says_and_as_opencv_does(void **)
+{
+    const Bytes jpeg = encoded(".jpg");
+    assert_same(decoded_bgr(image_of(jpeg, VDNA_PIXEL_MJPG)), cv::imdecode(jpeg, cv::IMREAD_COLOR));
+    for (uint8_t orientation = 1; orientation <= 8; orientation++)
+        for (const bool little : {false, true}) {
+            const Bytes bytes = jpeg_with_exif(jpeg, exif_block(orientation, little));
+            const cv::Mat expected = cv::imdecode(bytes, cv::IMREAD_COLOR);
+            assert_int_equal(expected.cols, orientation < 5 ? width : height);
+            assert_same(decoded_bgr(image_of(bytes, VDNA_PIXEL_MJPG)), expected);
+            assert_same(decoded_bgr(image_of(bytes, VDNA_PIXEL_ENCODED)), expected);
+        }
+}
+
+static void a_damaged_exif_block_leaves_a_jpeg_as_it_is(void **)
+{
+    const Bytes jpeg = encoded(".jpg");
+    const cv::Mat stored = decoded_bgr(image_of(jpeg, VDNA_PIXEL_MJPG));
+    Bytes far = exif_block(6);
+    far[4] = 0xFF; // its directory begins behind the end
+    for (const Bytes &block : {Bytes{}, Bytes{'M', 'M'}, far, exif_block(9)})
+        assert_same(decoded_bgr(image_of(jpeg_with_exif(jpeg, block), VDNA_PIXEL_MJPG)), stored);
+}
+
+static void a_jpeg_in_cmyk_is_refused_by_name(void **)
+{
+    // Header and the begin of a scan, of four components.
+    const Bytes cmyk = {0xFF, 0xD8, 0xFF, 0xC0, 0, 20,   8, 0, 24,   0, 32,   4,    1, 0x11,
+                        0,    2,    0x11, 0,    3, 0x11, 0, 4, 0x11, 0, 0xFF, 0xDA, 0, 14,
+                        4,    1,    0,    2,    0, 3,    0, 4, 0,    0, 63,   0};
+    const std::string reason = refusal(image_of(cmyk, VDNA_PIXEL_MJPG), VDNA_ERR_UNSUPPORTED);
+    assert_true(reason.find("CMYK") != std::string::npos);
+}
+
+// A picture of words, the low byte first, in rows of `columns`.
+static Bytes words_of(const std::vector<uint32_t> &values, size_t columns, size_t padding = 0)
+{
+    Bytes bytes;
+    for (size_t i = 0; i < values.size(); i++) {
+        bytes.push_back(static_cast<uint8_t>(values[i]));
+        bytes.push_back(static_cast<uint8_t>(values[i] >> 8));
+        if ((i + 1) % columns == 0)
+            bytes.insert(bytes.end(), padding, 0xEE);
+    }
+    return bytes;
+}
+
+struct Depth {
+    uint32_t fourcc, bits;
+};
+static const Depth depths[] = {{VDNA_PIXEL_Y10, 10},
+                               {VDNA_PIXEL_Y12, 12},
+                               {VDNA_PIXEL_Y14, 14},
+                               {VDNA_PIXEL_Y16, 16},
+                               {VDNA_PIXEL_LG16, 16}};
+
+static void grey_of_10_to_16_bits_is_scaled_by_its_bits(void **)
+{
+    for (const Depth &depth : depths) {
+        const uint32_t white = (1u << depth.bits) - 1, columns = 256, rows = (white + 1) / columns;
+        std::vector<uint32_t> values;
+        for (uint32_t value = 0; value <= white; value++)
+            values.push_back(value);
+        const Bytes packed = words_of(values, columns), padded = words_of(values, columns, 6);
+        for (const Bytes &bytes : {packed, padded}) {
+            Decoder decoder(columns * rows);
+            const vdna_pixels pixels =
+                decoder.decode({bytes.data(), bytes.size(), columns, rows,
+                                static_cast<uint32_t>(bytes.size() / rows), depth.fourcc});
+            assert_int_equal(pixels.channels, 1);
+            for (uint32_t value = 0; value <= white; value++)
+                assert_int_equal(pixels.data[value / columns * pixels.stride + value % columns],
+                                 std::lround(value * 255.0 / white));
+        }
+    }
+}
+
+static void a_value_of_more_bits_than_its_format_has_is_refused(void **)
+{
+    for (const Depth &depth : depths) {
+        if (depth.bits == 16)
+            continue;
+        const Bytes bytes = words_of({0, 1u << depth.bits}, 2);
+        const std::string reason =
+            refusal({bytes.data(), bytes.size(), 2, 1, 0, depth.fourcc}, VDNA_ERR_FORMAT);
+        assert_true(reason.find("more than " + std::to_string(depth.bits) + " bits") !=
+                    std::string::npos);
+    }
+}
+
+static void grey_that_names_16_bits_and_uses_fewer_is_refused(void **)
+{
+    for (const uint32_t fourcc : {VDNA_PIXEL_Y16, VDNA_PIXEL_LG16}) {
+        const Bytes twelve = words_of({0, 4095}, 2), all = words_of({0, 16384}, 2);
+        const std::string reason =
+            refusal({twelve.data(), twelve.size(), 2, 1, 0, fourcc}, VDNA_ERR_UNSUPPORTED);
+        assert_true(reason.find("no value uses more than 12") != std::string::npos);
+        Decoder decoder;
+        decoder.decode({all.data(), all.size(), 2, 1, 0, fourcc});
+    }
+}
+
+static void pixels_of_two_bytes_under_the_name_of_one_are_refused(void **)
+{
+    struct Case {
+        uint32_t pixelformat, columns, rows, stride;
+        size_t bytes;
+    };
+    const Case wide[] = {
+        {VDNA_PIXEL_GREY, 160, 120, 320, 320 * 120},   // its stride says so
+        {VDNA_PIXEL_GREY, 160, 120, 160, 320 * 120},   // only its size does
+        {VDNA_PIXEL_GREY, 160, 120, 0, 320 * 120},     // as above
+        {VDNA_PIXEL_GREY, 752, 480, 1536, 1536 * 480}, // rows aligned to 64 bytes
+        {VDNA_PIXEL_GREY, 256, 2, 512, 1024},          {VDNA_PIXEL_RGB3, 160, 120, 960, 960 * 120},
+        {VDNA_PIXEL_BGR4, 100, 10, 800, 8000},
+    };
+    for (const Case &c : wide) {
+        const Bytes bytes(c.bytes, 1);
+        const std::string reason =
+            refusal({bytes.data(), bytes.size(), c.columns, c.rows, c.stride, c.pixelformat},
+                    VDNA_ERR_FORMAT);
+        assert_true(reason.find("two bytes a channel?") != std::string::npos);
+    }
+    const Case padded[] = {
+        {VDNA_PIXEL_GREY, 160, 120, 192, 192 * 120},       // rows aligned to 64 bytes
+        {VDNA_PIXEL_GREY, 160, 120, 512, 512 * 120},       // and to 512
+        {VDNA_PIXEL_GREY, 160, 120, 320, 320 * 119 + 160}, // the left half of a larger picture
+        {VDNA_PIXEL_GREY, 160, 120, 1280, 1280 * 120},     // a part of a larger picture
+        {VDNA_PIXEL_GREY, 160, 120, 160, 160 * 120 + 99},  // bytes behind the picture
+        {VDNA_PIXEL_RGB3, 160, 120, 512, 512 * 120},       {VDNA_PIXEL_GREY, 1, 3, 4, 12},
+    };
+    for (const Case &c : padded) {
+        const Bytes bytes(c.bytes, 1);
+        Decoder decoder(c.columns * c.rows);
+        decoder.decode({bytes.data(), bytes.size(), c.columns, c.rows, c.stride, c.pixelformat});
+    }
 }
 
 static void raw_pictures_need_every_byte_and_no_more(void **)
@@ -467,15 +619,16 @@ static void raw_pictures_need_every_byte_and_no_more(void **)
         size_t bytes; // least number for 32x24
     };
     const Case cases[] = {
-        {VDNA_PIXEL_GREY, 0, 768},      {VDNA_PIXEL_GREY, 40, 40 * 23 + 32},
-        {VDNA_PIXEL_RGB3, 0, 2304},     {VDNA_PIXEL_BGR4, 130, 130 * 23 + 128},
-        {VDNA_PIXEL_YUYV, 0, 1536},     {VDNA_PIXEL_UYVY, 70, 70 * 23 + 64},
-        {VDNA_PIXEL_I420, 0, 1152},     {VDNA_PIXEL_I420, 40, 40 * 36},
-        {VDNA_PIXEL_NV12, 34, 34 * 36},
+        {VDNA_PIXEL_GREY, 0, 768},          {VDNA_PIXEL_GREY, 40, 40 * 23 + 32},
+        {VDNA_PIXEL_RGB3, 0, 2304},         {VDNA_PIXEL_BGR4, 130, 130 * 23 + 128},
+        {VDNA_PIXEL_YUYV, 0, 1536},         {VDNA_PIXEL_UYVY, 70, 70 * 23 + 64},
+        {VDNA_PIXEL_I420, 0, 1152},         {VDNA_PIXEL_I420, 40, 40 * 36},
+        {VDNA_PIXEL_NV12, 34, 34 * 36},     {VDNA_PIXEL_Y16, 0, 1536},
+        {VDNA_PIXEL_Y12, 70, 70 * 23 + 64},
     };
     for (const Case &c : cases) {
         // On the heap, so that a sanitizer sees a byte read past the end.
-        const Bytes bytes(c.bytes, 128);
+        const Bytes bytes(c.bytes, 0); // black at any depth
         Decoder decoder;
         decoder.decode(image_of(bytes, c.pixelformat, c.stride));
         vdna_image short_of_one = image_of(bytes, c.pixelformat, c.stride);
@@ -527,7 +680,13 @@ int main()
         cmocka_unit_test(mjpg_frames_may_be_padded_before_and_after_the_end_marker),
         cmocka_unit_test(damaged_jpeg_is_refused),
         cmocka_unit_test(a_jpeg_that_claims_a_huge_picture_is_refused_unread),
-        cmocka_unit_test(an_orientation_in_exif_is_not_applied),
+        cmocka_unit_test(a_jpeg_is_turned_as_its_exif_says_and_as_opencv_does),
+        cmocka_unit_test(a_damaged_exif_block_leaves_a_jpeg_as_it_is),
+        cmocka_unit_test(a_jpeg_in_cmyk_is_refused_by_name),
+        cmocka_unit_test(grey_of_10_to_16_bits_is_scaled_by_its_bits),
+        cmocka_unit_test(a_value_of_more_bits_than_its_format_has_is_refused),
+        cmocka_unit_test(grey_that_names_16_bits_and_uses_fewer_is_refused),
+        cmocka_unit_test(pixels_of_two_bytes_under_the_name_of_one_are_refused),
         cmocka_unit_test(raw_pictures_need_every_byte_and_no_more),
         cmocka_unit_test(impossible_sides_and_strides_are_refused),
         cmocka_unit_test(a_picture_of_one_pixel_too_many_is_refused_in_every_format),

@@ -61,6 +61,31 @@ static void what_can_be_made_again_does_not_wait_for_the_disk(void **state)
     assert_holds(path, "new");
 }
 
+static void a_link_is_not_replaced_by_a_file(void **state)
+{
+    const char *path = path_in(*state, "link");
+    save_file(path_in(*state, "a"), "old", 3);
+    for (int dangling = 0; dangling < 2; dangling++) {
+        unlink(path);
+        assert_int_equal(symlink(dangling ? "nowhere" : "a", path), 0);
+        vdna_error error;
+        vdna_replace file;
+        assert_int_equal(vdna_replace_begin(path, &error, &file), VDNA_ERR_IO);
+        assert_non_null(strstr(error.text, "link: is a symbolic link"));
+        char target[16];
+        assert_true(readlink(path, target, sizeof target) > 0);
+    }
+    assert_holds(path_in(*state, "a"), "old");
+    assert_int_equal(files_in(((const directory *)*state)->path), 2);
+}
+
+static void a_device_is_not_replaced_by_a_file(void **state)
+{
+    (void)state;
+    vdna_replace file;
+    assert_int_equal(vdna_replace_begin("/dev/null", NULL, &file), VDNA_ERR_IO);
+}
+
 static void a_file_that_is_abandoned_leaves_nothing(void **state)
 {
     vdna_replace file = begun(path_in(*state, "a"));
@@ -247,6 +272,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         CASE(a_file_has_its_name_when_it_is_complete),
         CASE(what_can_be_made_again_does_not_wait_for_the_disk),
+        CASE(a_link_is_not_replaced_by_a_file),
+        CASE(a_device_is_not_replaced_by_a_file),
         CASE(a_file_that_is_abandoned_leaves_nothing),
         CASE(a_staged_file_is_complete_under_another_name),
         CASE(a_file_that_cannot_be_staged_is_gone),

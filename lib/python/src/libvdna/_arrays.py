@@ -19,9 +19,20 @@ def integer(value: SupportsIndex, what: str, lowest: int, highest: int) -> int:
     return number
 
 
+def array_of(values: ArrayLike, what: str) -> NDArray[Any]:
+    """An array of any dtype. One with a mask is refused, because NumPy would drop the mask."""
+    parts = values if isinstance(values, (list, tuple)) else [values]
+    if any(isinstance(part, np.ma.MaskedArray) for part in parts):
+        raise TypeError(
+            f"{what} is a masked array, whose mask would be lost; leave masked numbers out, or give"
+            " them a value with .filled(value)"
+        )
+    return np.asarray(values)
+
+
 def floats(values: ArrayLike, what: str, dtype: Any = np.float32) -> NDArray[Any]:
     """Real numbers in C order; the very same memory if that is what they are."""
-    array = np.asarray(values)
+    array = array_of(values, what)
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{what} holds {array.dtype}, expected real numbers ({np.dtype(dtype)})")
     return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
@@ -29,7 +40,7 @@ def floats(values: ArrayLike, what: str, dtype: Any = np.float32) -> NDArray[Any
 
 def integers(values: ArrayLike, what: str, dtype: Any) -> NDArray[Any]:
     """Integers in C order; the very same memory if they already have the dtype."""
-    array = np.asarray(values)
+    array = array_of(values, what)
     if array.dtype.kind not in "iu":
         raise TypeError(f"{what} holds {array.dtype}, expected integers ({np.dtype(dtype)})")
     if array.dtype != dtype and array.size > 0:

@@ -11,13 +11,14 @@ from typing import Any, List, NamedTuple, Optional, SupportsIndex, Tuple, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import integer, view
+from ._arrays import array_of, integer, view
 from ._library import Activations, BackboneConfig, BackboneFields, BackboneOutput, Error, Image
 from ._library import Status, VdnaError, backbone_lib
 from .identity import Identity, parse_taps
 
 Picture = Union[NDArray[np.uint8], bytes, bytearray, memoryview]
-"""uint8 [height][width] (grey) or [height][width][3] (red, green, blue), or the bytes of a JPEG."""
+"""uint8 [height][width] (grey) or [height][width][3] (red, green, blue), or the bytes of a JPEG, which
+is turned as its EXIF says. An array is taken as it is: turn it and scale it to 8 bits before."""
 
 _ENCODED = 0
 _GREY = int.from_bytes(b"GREY", "little")
@@ -180,9 +181,12 @@ def _image_of(picture: Picture) -> Tuple[NDArray[np.uint8], Image]:
     if isinstance(picture, (bytes, bytearray, memoryview)):
         data = np.frombuffer(picture, np.uint8)
         return data, Image(data.ctypes.data, data.size, 0, 0, 0, _ENCODED)
-    pixels = np.asarray(picture)
+    pixels = array_of(picture, "the picture")
     if pixels.dtype != np.uint8:
-        raise TypeError(f"the picture holds {pixels.dtype}, expected uint8")
+        raise TypeError(
+            f"the picture holds {pixels.dtype}, expected uint8; scale it by the value of its white:"
+            " (picture * (255 / white)).round().astype(numpy.uint8)"
+        )
     if pixels.ndim != 2 and pixels.shape[2:] != (3,):
         raise ValueError(
             f"the picture has the shape {list(pixels.shape)}, expected [height][width] or"
