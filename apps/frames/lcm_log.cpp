@@ -1,6 +1,11 @@
 // Camera frames of an LCM log.
+#include <algorithm>
+#include <cinttypes>
+#include <cstdio>
 #include <fstream>
 #include <vector>
+
+#include <vdna_messages.h>
 
 #include <vdna/transport.h>
 
@@ -27,6 +32,22 @@ std::string loss_of(const LogDamage &damage)
            " bytes are no events" +
            (damage.lost_events > 0 ? ", " + std::to_string(damage.lost_events) + " events are lost"
                                    : "");
+}
+
+// Why bytes are no camera message: of another type, or damaged.
+std::string refusal_of(const std::vector<uint8_t> &bytes)
+{
+    uint64_t fingerprint = 0;
+    for (size_t i = 0; i < std::min(bytes.size(), sizeof fingerprint); i++)
+        fingerprint = fingerprint << 8 | bytes[i];
+    char text[128];
+    std::snprintf(text, sizeof text,
+                  fingerprint == vdna_message_image.fingerprint
+                      ? "a damaged message of type bot_core.image_t"
+                      : "a message of fingerprint %016" PRIx64 ", expected %016" PRIx64
+                        " (bot_core.image_t)",
+                  fingerprint, vdna_message_image.fingerprint);
+    return text;
 }
 
 class LogReader : public Reader
@@ -57,7 +78,7 @@ class LogReader : public Reader
             throw Error(name + ": cannot read; the log changed while it was open");
         vdna_transport_frame camera;
         if (vdna_transport_parse_image(bytes_.data(), bytes_.size(), &camera) != VDNA_OK)
-            throw BadFrame(name + ": not a well-formed camera message (bot_core.image_t)");
+            throw BadFrame(name + ": " + refusal_of(bytes_));
         out_frame.name = name;
         out_frame.utime = camera.utime;
         out_frame.image = camera.image;

@@ -173,9 +173,7 @@ bool holds_pictures(const fs::path &folder)
 
 std::vector<fs::path> folders_in(const fs::path &path)
 {
-    return entries_of(path, [](const fs::directory_entry &entry) {
-        return entry.is_directory() && entry.path().filename() != "__MACOSX";
-    });
+    return entries_of(path, [](const fs::directory_entry &entry) { return entry.is_directory(); });
 }
 
 std::vector<uint8_t> read_picture(const fs::path &file)

@@ -90,7 +90,9 @@ class VideoReader : public Reader
     // beat.
     bool advance()
     {
-        if (!video_.grab())
+        // After its end OpenCV would hand out the last frame again.
+        has_ended_ = has_ended_ || !video_.grab();
+        if (has_ended_)
             return false;
         const double container_ms = video_.get(cv::CAP_PROP_POS_MSEC);
         const int64_t beat = std::llround(static_cast<double>(next_) * 1e6 / rate_hz_);
@@ -128,6 +130,7 @@ class VideoReader : public Reader
     cv::VideoCapture video_;
     cv::Mat picture_;
     bool upside_down_ = false;
+    bool has_ended_ = false;
     uint64_t next_ = 0;
     int64_t utime_ = 0; // of the frame grabbed last
 };

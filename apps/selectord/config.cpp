@@ -43,15 +43,17 @@ constexpr double image_bytes_min = 1024, image_bytes_max = VDNA_MESSAGE_BYTES_MA
 constexpr double budget_mb_max = 1u << 20;
 constexpr double nice_max = 19;
 
-const std::array<Setting, 18> settings{{
+const std::array<Setting, 20> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max},
     {"backbone", "manifest", &Config::manifest, 1, path_max},
     {"backbone", "threads", &Config::threads, 1, threads_max},
     {"backbone", "runtime", &Config::runtime, 0, path_max},
     {"warmup", "frames", &Config::warmup_frames, 1, UINT32_MAX},
     {"warmup", "seconds", &Config::warmup_seconds, warmup_seconds_min, warmup_seconds_max},
+    {"warmup", "frames_min", &Config::warmup_frames_min, 1, UINT32_MAX},
     {"lcm", "url", &Config::url, 0, path_max},
     {"lcm", "camera", &Config::camera_channel, 1, channel_max},
+    {"lcm", "late_seconds", &Config::late_seconds, 0, warmup_seconds_max},
     {"lcm", "command", &Config::command_channel, 1, channel_max},
     {"lcm", "ranking", &Config::ranking_channel, 1, channel_max},
     {"lcm", "localisation", &Config::localisation_channel, 1, channel_max},

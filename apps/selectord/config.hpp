@@ -20,7 +20,10 @@ struct Config {
     std::string runtime; // path of libonnxruntime.so; "" = found automatically
     uint32_t warmup_frames = VDNA_WARMUP_FRAMES_DEFAULT; // 0 = by time
     double warmup_seconds = 0; // 0 = by frames; exactly one of the two is set
-    std::string url;           // "" = $LCM_DEFAULT_URL, else LCM's default
+    uint32_t warmup_frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT;
+    // A camera frame this much older than the newest is late and left out.
+    double late_seconds = VDNA_TIME_LATE_US_DEFAULT / 1e6;
+    std::string url; // "" = $LCM_DEFAULT_URL, else LCM's default
     std::string camera_channel = VDNA_CHANNEL_CAMERA;
     std::string command_channel = VDNA_CHANNEL_COMMAND;
     std::string ranking_channel = VDNA_CHANNEL_RANKING;

@@ -136,14 +136,12 @@ std::string reason_of(const vdna_select &select, const frames::Account &account)
                                                 const vdna_select &select,
                                                 const frames::Account &account)
 {
-    std::string notes;
-    for (const std::string &note : account.notes)
-        notes += "; " + note;
+    tell(options.paths[0], account);
     throw Error(options.paths[0] + ": ends after " +
                 std::to_string(vdna_select_window_frames(&select)) +
                 " frames of the warmup, expected " + options.warmup +
                 (options.warmup.back() == 's' ? " and a frame after it; " : " frames; ") +
-                reason_of(select, account) + notes);
+                reason_of(select, account));
 }
 
 // Rank a map by the first frames of a source, as the daemon would.

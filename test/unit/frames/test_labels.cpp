@@ -411,7 +411,8 @@ void a_bad_cell_is_told_with_file_line_and_column(void **)
 {
     const char *whole = ", expected a whole number";
     assert_refused("file,place\na,1\n\nb,1.5\n", std::string("t.csv:4: place is '1.5'") + whole);
-    assert_refused("file,utime\na,\n", std::string("t.csv:2: utime is ''") + whole);
+    assert_refused("file,utime\na,x\n", std::string("t.csv:2: utime is 'x'") + whole);
+    assert_false(Table("file,utime\na,\n").label("a").utime.has_value());
     assert_int_equal(*Table("file,place\na, 1 \n").label("a").place, 1);
     assert_refused("file,place\na,-9223372036854775808\n",
                    "t.csv:2: place is '-9223372036854775808', expected a whole number above -2^63, "
