@@ -124,7 +124,8 @@ class Run
     {
         const Traversal &t = traversals_[query.traversal];
         const std::vector<size_t> references = references_of(query.traversal);
-        LiveTask task{query.traversal, settings_.warmup, query.range, settings_.bins, {}};
+        LiveTask task{query.traversal, settings_.warmup, settings_.warmup_frames_min,
+                      query.range,     settings_.bins,   {}};
         for (size_t i = 0; i < references.size(); i++) {
             const record::Recording &map = traversals_[references[i]].recording;
             task.candidates.push_back(

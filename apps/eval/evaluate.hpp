@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <vdna/cpp/selector.hpp>
+
 #include "eval/binning.hpp"
 #include "eval/evaluation.hpp"
 
@@ -12,8 +14,9 @@ namespace vdna::eval
 
 struct EvaluationSettings {
     uint32_t bins = VDNA_HIST_BINS_DEFAULT;
-    std::string warmup;                  // "100" frames or "45s"
-    double tolerance = 5;                // inclusive
+    std::string warmup;                                          // "100" frames or "45s"
+    uint32_t warmup_frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT; // of a warmup by time
+    double tolerance = 5;                                        // inclusive
     bool with_altitude = false;          // distances through space instead of horizontal ones
     uint32_t stride = 1;                 // every stride-th frame after the warmup is localised
     std::vector<std::string> taps;       // none = all

@@ -57,7 +57,7 @@ struct PairResult {
 // One traversal in the role of the live one.
 struct QueryResult {
     size_t traversal;
-    uint32_t warmup_begin;      // first frame of the warmup: 0 unless camera time ran backwards
+    uint32_t warmup_begin;      // first frame of the warmup: 0 unless the warmup began anew
     uint32_t warmup_frames;     // frames in the live Visual DNA
     std::vector<uint32_t> live; // frames to localise
     std::vector<float> range;   // [neurons][2], from the references only

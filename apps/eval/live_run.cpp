@@ -14,7 +14,8 @@ namespace
 std::string key_of(const Frames &frames, const Binning &binning, const LiveTask &task)
 {
     const record::Recording &live = frames.traversals()[task.traversal].recording;
-    const std::string how = "live 1 " + task.length + " " + std::to_string(task.bins) + " " +
+    const std::string how = "live 2 " + task.length + " " + std::to_string(task.frames_min) + " " +
+                            std::to_string(task.bins) + " " +
                             sha256_of(task.range.data(), task.range.size() * sizeof(float)) + " " +
                             sha256_of(live.utime.data(), live.utime.size() * sizeof(int64_t));
     return binning.key_of(how, task.traversal, live.frames) + ".live";
@@ -51,7 +52,8 @@ LiveRun feed(Frames &frames, Binning &binning, const LiveTask &task)
 {
     const Traversal &live = frames.traversals()[task.traversal];
     const uint32_t dim = frames.backbone().identity.dim;
-    Selector selector(task.candidates, dim, record::warmup_of(task.length), live.name);
+    Selector selector(task.candidates, dim, record::warmup_of(task.length, task.frames_min),
+                      live.name);
     LiveRun run;
     for (bool chosen = false; !chosen && run.next < live.recording.frames;) {
         program::require_not_interrupted();

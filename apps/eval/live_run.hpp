@@ -22,6 +22,7 @@ struct LiveRun {
 struct LiveTask {
     size_t traversal;                // of the frames that `binning` counts
     const std::string &length;       // of the warmup, "100" frames or "45s"
+    uint32_t frames_min;             // fewest frames of a warmup by time
     const std::vector<float> &range; // [neurons][2]
     uint32_t bins;
     std::vector<vdna_select_candidate> candidates; // counted in the same bins

@@ -9,6 +9,7 @@
 #include <vdna/vdna.h>
 
 enum { NEURONS = 8, SAMPLES = 4, FRAMES = 50, WARMUP = 40, BINS = 1000, CANDIDATES = 3 };
+enum { PERIOD_US = 100000 }; /* of the camera */
 
 /* A synthetic drive: its activations lie in shift..shift + 1. */
 typedef struct drive {
@@ -114,7 +115,7 @@ static void choose(const vdna_hist_view views[CANDIDATES])
     uint32_t x = now.seed;
     for (int i = 0; i < FRAMES; i++) {
         next_frame(&now, &x, values);
-        const vdna_select_frame frame = {i, &tap, 1, values};
+        const vdna_select_frame frame = {i * PERIOD_US, &tap, 1, values};
         require(vdna_select_feed(select, &frame, &answer));
     }
     const char *chosen = candidates[vdna_select_chosen(select)].name;

@@ -113,8 +113,8 @@ class VideoReader : public Reader
         reason_.clear();
         if (missing == 0 && reason.empty())
             return false;
-        const std::string sentence = path_ + ": ends after " + std::to_string(next_) + " frames" +
-                                     (size_ > 0 ? " of " + std::to_string(size_) : "") +
+        const std::string sentence = path_ + ": ends after " + std::to_string(next_) +
+                                     (size_ > 0 ? " of " + std::to_string(size_) : "") + " frames" +
                                      (reason.empty() ? "" : " (" + reason + ")") +
                                      ": cut short or damaged";
         size_ = next_;

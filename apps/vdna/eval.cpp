@@ -30,6 +30,7 @@ struct EvalOptions {
     eval::FramesOptions frames;
     std::vector<std::string> exclude, queries, references, taps;
     std::vector<std::string> warmup;
+    uint32_t warmup_frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT;
     std::vector<uint32_t> bins;
     std::optional<double> tolerance;
     bool with_altitude = false;
@@ -113,6 +114,7 @@ eval::EvaluationSettings settings_of(const EvalOptions &o, const frames::Dataset
     eval::EvaluationSettings settings;
     settings.bins = o.bins.size() == 1 ? o.bins[0] : VDNA_HIST_BINS_DEFAULT;
     settings.warmup = o.warmup.size() == 1 ? o.warmup[0] : frames::usual_warmup(dataset);
+    settings.warmup_frames_min = o.warmup_frames_min;
     settings.tolerance = o.tolerance.value_or(dataset.tolerance);
     settings.with_altitude = o.with_altitude;
     settings.stride = o.stride.value_or(dataset.stride);
@@ -220,6 +222,7 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
                     "else two fifths of the shortest, at most 100 frames)")
         ->delimiter(',')
         ->type_name("N|Ts");
+    add_warmup_min_option(command, o.warmup_frames_min);
     command
         .add_option("--tolerance", o.tolerance,
                     "a match is good within T places or metres (default: the data set's, else 5)")

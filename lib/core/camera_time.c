@@ -2,6 +2,8 @@
 
 #include <vdna/camera_time.h>
 
+#include "elapsed.h"
+
 /* Frames to wait for before the spacing counts, so that one odd stamp at the start does not. */
 #define FRAMES_TO_RECOGNISE VDNA_TIME_DISTINCT_MAX
 
@@ -35,14 +37,14 @@ int64_t vdna_time_us(uint32_t unit, int64_t stamp)
     }
 }
 
-/* Time between two stamps in either order; any two int64 have one. */
+/* Time between two stamps in either order. */
 static uint64_t between(int64_t a, int64_t b)
 {
-    return a < b ? (uint64_t)b - (uint64_t)a : (uint64_t)a - (uint64_t)b;
+    return a < b ? vdna_elapsed_us(a, b) : vdna_elapsed_us(b, a);
 }
 
 /* Insert a spacing into the smallest ones so far. */
-static void insert(uint64_t *sorted, size_t count, uint64_t spacing)
+static void insert_spacing(uint64_t *sorted, size_t count, uint64_t spacing)
 {
     size_t at = count;
     for (; at > 0 && sorted[at - 1] > spacing; at--)
@@ -57,7 +59,7 @@ static uint64_t median_spacing(const int64_t *stamps, size_t count)
     size_t spacings = 0;
     for (size_t i = 1; i < count && spacings < VDNA_TIME_DISTINCT_MAX - 1; i++)
         if (stamps[i] != stamps[i - 1])
-            insert(sorted, spacings++, between(stamps[i - 1], stamps[i]));
+            insert_spacing(sorted, spacings++, between(stamps[i - 1], stamps[i]));
     return spacings > 0 ? sorted[spacings / 2] : 0;
 }
 

@@ -3,6 +3,7 @@
 #include <vdna/window.h>
 
 #include "count.h"
+#include "elapsed.h"
 #include "growth.h"
 #include "shape.h"
 
@@ -200,16 +201,10 @@ static void drop_oldest(vdna_window *window)
     window->oldest = (window->oldest + 1) % window->capacity;
 }
 
-/* Camera time between two stamps, which may be any int64: never negative when later >= earlier. */
-static uint64_t elapsed_us(int64_t earlier, int64_t later)
-{
-    return (uint64_t)later - (uint64_t)earlier;
-}
-
 /* Whether two frames are too far apart for one window; `later` is not the earlier in time. */
 static int are_apart(const vdna_window *window, int64_t earlier, int64_t later)
 {
-    return window->length_us > 0 && elapsed_us(earlier, later) >= (uint64_t)window->length_us;
+    return window->length_us > 0 && vdna_elapsed_us(earlier, later) >= (uint64_t)window->length_us;
 }
 
 /* Make room for a frame of this stamp, which is not earlier than the newest. */
@@ -337,8 +332,8 @@ double vdna_window_progress(const vdna_window *window)
         return 1;
     if (window->length_us == 0)
         return (double)window->hist.frames / window->capacity;
-    const double time =
-        (double)elapsed_us(window->first_utime, window->last_utime) / (double)window->length_us;
+    const double time = (double)vdna_elapsed_us(window->first_utime, window->last_utime) /
+                        (double)window->length_us;
     double most = 1;
     if (window->hist.frames < window->least_frames)
         most = (double)window->hist.frames / window->least_frames;

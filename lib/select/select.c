@@ -3,6 +3,7 @@
 #include <vdna/select.h>
 #include <vdna/window.h>
 
+#include "elapsed.h"
 #include "growth.h"
 
 /* Bytes of vdna_select_config in version 0.1. */
@@ -209,12 +210,6 @@ static vdna_status localise(const vdna_select *select, const float *embedding,
     return status;
 }
 
-/* Camera time between two stamps, the later of which is not earlier. */
-static uint64_t elapsed_us(int64_t earlier, int64_t later)
-{
-    return (uint64_t)later - (uint64_t)earlier;
-}
-
 /* Whether a frame in order comes later than a whole warmup after the newest of the window. */
 static int is_gap(const vdna_select *select, int64_t utime)
 {
@@ -222,12 +217,13 @@ static int is_gap(const vdna_select *select, int64_t utime)
     if (frames == 0)
         return 0;
     const int64_t newest = vdna_select_last_utime(select);
-    const uint64_t gap = elapsed_us(newest, utime);
+    const uint64_t gap = vdna_elapsed_us(newest, utime);
     if (select->config.warmup_us > 0)
         return gap > (uint64_t)select->config.warmup_us;
     if (frames < 2 || gap < GAP_US_MIN)
         return 0;
-    const uint64_t spacing = elapsed_us(vdna_select_first_utime(select), newest) / (frames - 1);
+    const uint64_t spacing =
+        vdna_elapsed_us(vdna_select_first_utime(select), newest) / (frames - 1);
     return gap / select->config.warmup_frames > spacing;
 }
 

@@ -197,12 +197,12 @@ class Build(Scratch):
 
     def test_labels_and_times_are_kept(self):
         self.pictures("a", range(3), "file,place,x,y,utime\n"
-                      "000.ppm,7,1,2,100\n001.ppm,8,3,4,200\n002.ppm,-9,5,6,300\n")
+                      "000.ppm,7,1,2,100000\n001.ppm,8,3,4,200000\n002.ppm,-9,5,6,300000\n")
         self.vdna("build", "map", "a")
         tensors = Experience(self.folder / "map/a.vdna").tensors
         self.assertEqual(tensors["frame_place"], [7, 8, -9])
         self.assertEqual(tensors["frame_position"], [1, 2, 0, 3, 4, 0, 5, 6, 0])
-        self.assertEqual(tensors["frame_utime"], [100, 200, 300])
+        self.assertEqual(tensors["frame_utime"], [100000, 200000, 300000])
 
     def test_every_keeps_every_nth_frame(self):
         self.pictures("a", range(5))
@@ -427,7 +427,10 @@ class Rank(Scratch):
 
     def test_the_warmup_is_the_first_frames_or_seconds(self):
         self.assertEqual(self.vdna_json("rank", "a", "map", "--warmup", 4)["frames"], 4)
-        self.assertEqual(self.vdna_json("rank", "a", "map", "--warmup", "0.3s")["frames"], 3)
+        self.assertEqual(self.vdna_json("rank", "a", "map", "--warmup", "0.3s", "--warmup-min",
+                                        1)["frames"], 3)
+        self.assertEqual(self.vdna_json("rank", "a", "map", "--warmup", "0.3s", "--warmup-min",
+                                        5)["frames"], 5)
         self.assertIn("6 frames", self.refused("rank", "a", "map"))
         self.assertIn("--warmup", self.refused("rank", "a", "map", "--warmup", "0.6s"))
         for bad in ("0", "-1", "4x", "s", "", "nans", "-1s"):

@@ -456,7 +456,7 @@ class DataSets(Evaluation):
             self.pictures(folder, [f"{i:02}.ppm" for i in range(12)])
             rows = [f"{i:02}.ppm,{i * 10_000_000},51.76,{-1.25 + i * 1e-4}" for i in range(12)]
             (folder / "labels.csv").write_text("file,utime,lat,lon\n" + "\n".join(rows) + "\n")
-        result = self.evaluate(self.folder / "set", "--protocol", "parks")
+        result = self.evaluate(self.folder / "set", "--protocol", "parks", "--warmup-min", 1)
         self.assertEqual((result["warmup"], result["unit"], result["tolerance"]),
                          ("45s", "metres", 5))
         self.assertEqual(result["frames"]["a"]["warmup"], 5)  # at 0, 10, 20, 30 and 40 s

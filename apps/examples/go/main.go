@@ -12,11 +12,12 @@ import (
 )
 
 const (
-	neurons = 8
-	samples = 4
-	frames  = 50
-	warmup  = 40
-	bins    = 1000
+	neurons  = 8
+	samples  = 4
+	frames   = 50
+	warmup   = 40
+	bins     = 1000
+	periodUs = int64(100000) // of the camera
 )
 
 // drive is synthetic: its activations lie in shift..shift + 1.
@@ -77,7 +78,7 @@ func choose(histograms []*vdna.Histogram) error {
 	nearest, utime := -1, int64(0)
 	err = now.eachFrame(func(values []float32) (err error) {
 		nearest, err = selector.Feed(utime, values, embedding(values))
-		utime++
+		utime += periodUs
 		return err
 	})
 	if err != nil {

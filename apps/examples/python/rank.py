@@ -9,6 +9,7 @@ import numpy as np
 import libvdna
 
 NEURONS, SAMPLES, FRAMES, WARMUP = 8, 4, 50, 40
+PERIOD_US = 100_000  # of the camera
 # Synthetic drives: a seed and a shift; activations lie in shift..shift + 1.
 CANDIDATES = {"spring": (1, 0.0), "summer": (2, 0.25), "winter": (3, 0.75)}
 NOW = (4, 0.3125)
@@ -43,8 +44,8 @@ def choose(table):
     """Warm up on the first frames, choose, and find the last frame in the chosen drive."""
     experiences = [experience(drive, table) for drive in CANDIDATES.values()]
     selector = libvdna.Selector(experiences, warmup_frames=WARMUP)
-    for utime, values in enumerate(frames_of(NOW)):
-        answer = selector.feed(utime, values[0], values)
+    for index, values in enumerate(frames_of(NOW)):
+        answer = selector.feed(index * PERIOD_US, values[0], values)
     chosen = list(CANDIDATES)[selector.chosen]
     frames, margin = selector.window_frames, selector.margin_bins
     print(f"live: {chosen} after {frames} frames, by {margin:.17f} bins")

@@ -492,7 +492,7 @@ void a_video_that_was_cut_short_says_so(void **)
     const Folder folder;
     const std::string whole = bytes_of(write_video(folder, "whole.avi", 40));
     const std::string cut = folder.write("cut.avi", whole.substr(0, whole.size() * 6 / 10));
-    assert_contains(refusal_of(cut), " of 40");
+    assert_contains(refusal_of(cut), " of 40 frames");
     Source source(cut);
     uint64_t bad = 0;
     const size_t frames = usable_frames_of(source, bad).size();

@@ -12,6 +12,7 @@ const SAMPLES: usize = 4;
 const FRAMES: usize = 50;
 const WARMUP: u32 = 40;
 const BINS: u32 = 1000;
+const PERIOD_US: i64 = 100_000; // of the camera
 
 /// A synthetic drive: its activations lie in shift..shift + 1.
 struct Drive {
@@ -86,8 +87,8 @@ fn choose(histograms: &[Histogram]) -> Result<(), Error> {
         .collect();
     let mut selector = Selector::new(&experiences, NEURONS, WARMUP)?;
     let mut nearest = None;
-    for (utime, values) in NOW.frames().enumerate() {
-        nearest = selector.feed(utime as i64, &values, embedding(&values))?;
+    for (index, values) in NOW.frames().enumerate() {
+        nearest = selector.feed(index as i64 * PERIOD_US, &values, embedding(&values))?;
     }
     let chosen = selector.chosen().expect("a choice after the warmup");
     let frame = nearest.expect("a place after the warmup");

@@ -22,6 +22,7 @@ import java.util.function.Consumer;
  */
 public final class Rank {
     private static final int NEURONS = 8, SAMPLES = 4, FRAMES = 50, WARMUP = 40, BINS = 1000;
+    private static final long PERIOD_US = 100_000; // of the camera
 
     /** A synthetic drive: its activations lie in shift..shift + 1. */
     private record Drive(String name, int seed, float shift) {
@@ -77,7 +78,7 @@ public final class Rank {
         Selector selector = new Selector(experiences, NEURONS, WARMUP);
         List<OptionalInt> nearest = new ArrayList<>();
         NOW.eachFrame(
-            values -> nearest.add(selector.feed(nearest.size(), values, embedding(values))));
+            values -> nearest.add(selector.feed(nearest.size() * PERIOD_US, values, embedding(values))));
         String name = CANDIDATES.get(selector.chosen().getAsInt()).name();
         System.out.printf("live: %s after %d frames, by %s bins%n", name, selector.windowFrames(),
             digits(selector.marginBins()));
