@@ -17,9 +17,6 @@ namespace
 // Frames by which the header of a sound video may be wrong: some containers only know a duration.
 constexpr uint64_t count_tolerance = 1;
 
-// Above this FFmpeg gives a clock of the container, not the rate of its frames.
-constexpr double rate_hz_max = 1000;
-
 // OpenCV turns a video as its container says, but 4.6 turns a quarter the wrong way round
 // (https://github.com/opencv/opencv/issues/22088).
 bool comes_upside_down(const cv::VideoCapture &video)
@@ -42,9 +39,6 @@ class VideoReader : public Reader
             throw Error(path + ": neither a folder, nor an LCM log, nor a video that OpenCV can "
                                "read; expected one of these");
         collect_ffmpeg_errors(); // opening a video sets OpenCV's own
-        const double fps = video_.get(cv::CAP_PROP_FPS);
-        if (fps > 0 && fps <= rate_hz_max)
-            rate_hz_ = fps;
         // Streams, and recordings whose writer could not go back, do not say how many they hold.
         const double count = video_.get(cv::CAP_PROP_FRAME_COUNT);
         if (count >= 1)
@@ -81,13 +75,19 @@ class VideoReader : public Reader
 
     uint64_t size() const override { return size_; }
 
-    void describe(Account &account) const override { account.order = "video"; }
+    void describe(Account &account) const override
+    {
+        account.order = "video";
+        if (!has_times_)
+            account.notes.push_back("its pictures have no times: taken to be " +
+                                    program::fixed(rate_hz_, 1) + " a second (--rate)");
+    }
 
   private:
     bool grab() { return std::exchange(is_ahead_, false) || advance(); }
 
     // Go to the next frame and find out its time: the container's, or without one that of a regular
-    // beat.
+    // beat. What FFmpeg says of the rate then is often a guess.
     bool advance()
     {
         // After its end OpenCV would hand out the last frame again.
