@@ -1,4 +1,5 @@
 // Frames of a video file.
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -41,8 +42,11 @@ class VideoReader : public Reader
         collect_ffmpeg_errors(); // opening a video sets OpenCV's own
         // Streams, and recordings whose writer could not go back, do not say how many they hold.
         const double count = video_.get(cv::CAP_PROP_FRAME_COUNT);
-        if (count >= 1)
+        const double fps = video_.get(cv::CAP_PROP_FPS);
+        if (count >= 1 && fps > 0) {
             size_ = static_cast<uint64_t>(count);
+            duration_us_ = count / fps * 1e6;
+        }
         upside_down_ = comes_upside_down(video_);
     }
 
@@ -94,20 +98,37 @@ class VideoReader : public Reader
         has_ended_ = has_ended_ || !video_.grab();
         if (has_ended_)
             return false;
+        // The first frame is at 0. OpenCV also gives 0 for the last frames, those that come out of
+        // the decoder when the file has ended, and 0 or less where the container has no times.
         const double container_ms = video_.get(cv::CAP_PROP_POS_MSEC);
-        const int64_t beat = std::llround(static_cast<double>(next_) * 1e6 / rate_hz_);
-        has_times_ = has_times_ && container_ms >= 0 && (next_ == 0 || container_ms > 0);
+        if (next_ == 1)
+            has_times_ = container_ms > 0;
         if (!has_times_)
             size_ = 0; // bare pictures in a row: FFmpeg guesses their number from the bit rate
-        utime_ = has_times_ ? std::llround(container_ms * 1e3) : beat;
+        const int64_t before = utime_;
+        if (has_times_ && (container_ms > 0 || next_ == 0))
+            utime_ = std::llround(std::max(container_ms, 0.0) * 1e3);
+        else if (has_times_)
+            utime_ += spacing_;
+        else
+            utime_ = std::llround(static_cast<double>(next_) * 1e6 / rate_hz_);
+        spacing_ = utime_ - before;
         next_++;
         return true;
+    }
+
+    // Whether frames are missing by their number and by the time they would take: of a video whose
+    // frames come irregularly, FFmpeg only knows how long it is.
+    bool is_short() const
+    {
+        const double end_us = static_cast<double>(utime_ + 2 * spacing_);
+        return size_ > next_ + count_tolerance && end_us < duration_us_;
     }
 
     // False; complains once if the video ends too early.
     bool end()
     {
-        const uint64_t missing = size_ > next_ + count_tolerance ? size_ - next_ : 0;
+        const uint64_t missing = is_short() ? size_ - next_ : 0;
         const std::string last = take_ffmpeg_error();
         const std::string reason = last.empty() ? std::exchange(reason_, "") : last;
         reason_.clear();
@@ -123,16 +144,18 @@ class VideoReader : public Reader
 
     std::string path_;
     double rate_hz_;
-    uint64_t size_ = 0;     // 0 = unknown
-    std::string reason_;    // FFmpeg's complaint about the frame read last
-    bool is_ahead_ = false; // a frame beyond it was grabbed already
+    uint64_t size_ = 0;      // 0 = unknown; may be an estimate
+    double duration_us_ = 0; // while the size is known
+    std::string reason_;     // FFmpeg's complaint about the frame read last
+    bool is_ahead_ = false;  // a frame beyond it was grabbed already
     bool has_times_ = true;
     cv::VideoCapture video_;
     cv::Mat picture_;
     bool upside_down_ = false;
     bool has_ended_ = false;
     uint64_t next_ = 0;
-    int64_t utime_ = 0; // of the frame grabbed last
+    int64_t utime_ = 0;   // of the frame grabbed last
+    int64_t spacing_ = 0; // between this one and the one before it
 };
 
 } // namespace

@@ -173,11 +173,16 @@ Ranking rank_live(const RankOptions &options)
     }
     if (!complete)
         complain_of_incomplete_warmup(options, *selector.get(), pass.account());
-    tell(source, pass.account());
     ranking.query = source;
     ranking.frames = vdna_select_window_frames(selector.get());
     ranking.restarts = vdna_select_restarts(selector.get());
     ranking.account = pass.account();
+    if (ranking.restarts > 0)
+        ranking.account.notes.push_back(
+            "the warmup began anew " + std::to_string(ranking.restarts) +
+            (ranking.restarts == 1 ? " time, " : " times, the last time ") +
+            vdna_restart_text(vdna_select_restart_cause(selector.get())));
+    tell(source, ranking.account);
     const vdna_rank_entry *const entries = vdna_select_ranking(selector.get(), nullptr);
     ranking.entries.assign(entries, entries + picked.size());
     for (const size_t i : picked)
