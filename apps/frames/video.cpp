@@ -7,6 +7,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "frames/ffmpeg_errors.hpp"
+#include "frames/opencv_image.hpp"
 #include "frames/source.hpp"
 
 namespace vdna::frames
@@ -63,15 +64,7 @@ class VideoReader : public Reader
         // If no frame follows, the video breaks off behind this one.
         if (!reason_.empty() && (is_ahead_ = advance()))
             throw BadFrame(out_frame.name + ": damaged: " + reason_);
-        if (picture_.type() != CV_8UC3)
-            throw BadFrame(out_frame.name +
-                           ": not 8-bit colour, which OpenCV was expected to give");
-        out_frame.image = {picture_.data,
-                           picture_.step * static_cast<size_t>(picture_.rows),
-                           static_cast<uint32_t>(picture_.cols),
-                           static_cast<uint32_t>(picture_.rows),
-                           static_cast<uint32_t>(picture_.step),
-                           VDNA_PIXEL_BGR3};
+        out_frame.image = image_of(picture_, out_frame.name);
         return true;
     }
 
