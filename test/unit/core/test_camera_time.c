@@ -22,8 +22,7 @@ static int64_t feed(vdna_camera_time *time, int64_t first, int64_t step, int fra
 {
     int64_t utime = 0;
     for (int i = 0; i < frames; i++)
-        assert_int_not_equal(vdna_camera_time_take(time, first + i * step, &utime),
-                             VDNA_TIME_LATE);
+        assert_int_not_equal(vdna_camera_time_take(time, first + i * step, &utime), VDNA_TIME_LATE);
     return utime;
 }
 
@@ -44,13 +43,20 @@ static void the_unit_is_recognised_by_size_or_spacing(void **state)
         int64_t first, step;
         uint32_t unit;
     } cases[] = {
-        {T0 * 1000, 33333333, VDNA_TIME_UNIT_NS},   {T0, 33333, VDNA_TIME_UNIT_US},
-        {T0 / 1000, 33, VDNA_TIME_UNIT_MS},         {T0 / 1000000, 1, VDNA_TIME_UNIT_S},
-        {0, 100000, VDNA_TIME_UNIT_US},             {0, 100, VDNA_TIME_UNIT_MS},
-        {5000, 1, VDNA_TIME_UNIT_S},                {5000, 33, VDNA_TIME_UNIT_MS},
-        {T0 / 1000000, 5, VDNA_TIME_UNIT_S},        {T0 / 1000, 2, VDNA_TIME_UNIT_MS},
-        {T0 / 1000, 33333, VDNA_TIME_UNIT_US},      {-1000000, 40000, VDNA_TIME_UNIT_US},
-        {7, 0, VDNA_TIME_UNIT_AUTO},                {0, 0, VDNA_TIME_UNIT_AUTO},
+        {T0 * 1000, 33333333, VDNA_TIME_UNIT_NS},
+        {T0, 33333, VDNA_TIME_UNIT_US},
+        {T0 / 1000, 33, VDNA_TIME_UNIT_MS},
+        {T0 / 1000000, 1, VDNA_TIME_UNIT_S},
+        {0, 100000, VDNA_TIME_UNIT_US},
+        {0, 100, VDNA_TIME_UNIT_MS},
+        {5000, 1, VDNA_TIME_UNIT_S},
+        {5000, 33, VDNA_TIME_UNIT_MS},
+        {T0 / 1000000, 5, VDNA_TIME_UNIT_S},
+        {T0 / 1000, 2, VDNA_TIME_UNIT_MS},
+        {T0 / 1000, 33333, VDNA_TIME_UNIT_US},
+        {-1000000, 40000, VDNA_TIME_UNIT_US},
+        {7, 0, VDNA_TIME_UNIT_AUTO},
+        {0, 0, VDNA_TIME_UNIT_AUTO},
         {T0 * 1000, 0, VDNA_TIME_UNIT_NS},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -67,8 +73,8 @@ static void whole_seconds_repeated_by_many_frames_are_seconds(void **state)
     uint32_t recognised = 0;
     int64_t utime = 0;
     for (int i = 0; i < 90; i++)
-        recognised += vdna_camera_time_take(&time, T0 / 1000000 + i / 30, &utime) ==
-                      VDNA_TIME_RECOGNISED;
+        recognised +=
+            vdna_camera_time_take(&time, T0 / 1000000 + i / 30, &utime) == VDNA_TIME_RECOGNISED;
     assert_int_equal(recognised, 1);
     assert_int_equal(time.unit, VDNA_TIME_UNIT_S);
     assert_true(utime == T0 + 2000000);

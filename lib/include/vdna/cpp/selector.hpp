@@ -17,8 +17,8 @@ namespace vdna
 
 /** Length of a warmup; one of the first two is 0. */
 struct Warmup {
-    uint32_t frames; /**< number of frames */
-    int64_t us;      /**< microseconds of camera time */
+    uint32_t frames;                                      /**< number of frames */
+    int64_t us;                                           /**< microseconds of camera time */
     uint32_t frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT; /**< fewest, if by time */
 };
 
