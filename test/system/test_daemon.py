@@ -352,7 +352,7 @@ class Waiting(WithConfiguration):
 
     def test_a_warmup_that_begins_anew_with_every_other_frame(self):
         picture = first_picture()
-        self.assert_said("the warmup began anew ",
+        self.assert_said("the warmup began anew",
                          [Sender("CAMERA", lambda n: image_message(n % 2 * 10**7 - n * 2 * 10**6, picture))])
 
     def test_camera_time_that_stands_still(self):
