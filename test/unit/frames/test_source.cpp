@@ -481,6 +481,18 @@ std::string write_video(const Folder &folder, const char *name, int frames)
     return video;
 }
 
+void videos_of_one_drive_follow_one_another_in_time(void **)
+{
+    const Folder folder;
+    const std::vector<Frame> frames =
+        frames_of(write_video(folder, "a.avi", 4) + "+" + write_video(folder, "b.avi", 3));
+    assert_int_equal(frames.size(), 7);
+    assert_int_equal(frames[3].utime, 600000);
+    assert_int_equal(frames[4].utime, 800000);
+    assert_int_equal(frames[6].utime, 1200000);
+    assert_int_equal(frames[6].index, 6);
+}
+
 std::string bytes_of(const std::string &path)
 {
     std::ifstream stream(path, std::ios::binary);
@@ -603,6 +615,7 @@ int main()
         cmocka_unit_test(a_table_with_more_rows_than_frames_is_told_once),
         cmocka_unit_test(files_of_one_drive_are_one_source),
         cmocka_unit_test(files_that_a_logger_cut_are_joined_by_their_numbers),
+        cmocka_unit_test(videos_of_one_drive_follow_one_another_in_time),
         cmocka_unit_test(a_video_that_was_cut_short_says_so),
         cmocka_unit_test(the_last_frames_of_a_video_have_times_too),
         cmocka_unit_test(a_video_without_a_frame_count_is_read),
