@@ -12,6 +12,7 @@
 #include "eval/live_run.hpp"
 #include "eval/localise_query.hpp"
 #include "eval/methods.hpp"
+#include "eval/reference_maps.hpp"
 #include "program/interrupt.hpp"
 #include "program/progress.hpp"
 
