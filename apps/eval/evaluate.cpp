@@ -49,6 +49,7 @@ class Run
         : frames_(frames), traversals_(frames.traversals()), binning_(binning), settings_(settings),
           unit_(unit_of(traversals_)), references_(named(traversals_, settings.references))
     {
+        frames.keep_labels(unit_);
     }
 
     Evaluation run()

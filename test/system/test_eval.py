@@ -513,6 +513,24 @@ class DataSets(Evaluation):
         np.testing.assert_array_equal(np.load(self.folder / "npy/position_a.npy")[1],
                                       [551020.5, 4182105.25, 0])
 
+    def test_the_tolerance_has_one_unit_although_some_traversals_have_two_labels(self):
+        # Only one of three has no positions, so all are judged by places: those of `a` and `b` are
+        # a place apart, and 1000 metres.
+        for name, columns, shift in (("_", "file,place", 0), ("a", "file,place,x,y", 0),
+                                     ("b", "file,place,x,y", 1)):
+            folder = self.folder / "set" / name
+            self.pictures(folder, [f"{i:02}.ppm" for i in range(8)])
+            rows = [f"{i:02}.ppm,{i + shift},{1000 * (i + shift)},0" for i in range(8)]
+            (folder / "labels.csv").write_text("\n".join(
+                [columns, *(",".join(row.split(",")[:len(columns.split(","))]) for row in rows)]))
+        result = self.evaluate(self.folder / "set", "--warmup", 2, "--tolerance", 1,
+                               "--localisers", "nn,seqslam,fused,all", "--npy", self.folder / "npy")
+        self.assertEqual(result["unit"], "places")
+        self.assertEqual(result["recall"]["a"], {"_": 100, "b": 100, "all": 100})
+        self.assertEqual(result["localisers"]["seqslam"]["recall"]["a"]["b"], 100)
+        truth = np.load(self.folder / "npy/ground_truth_a_b.npy")
+        self.assertEqual(truth[0].tolist(), [1, 0, 1, 2, 3, 4, 5, 6])
+
     def test_utm_zones_do_not_mix(self):
         self.pictures(self.folder / "set/a", ["@1@2@10@S@.ppm"])
         self.pictures(self.folder / "set/b", ["@1@2@11@S@.ppm"])
