@@ -5,9 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <vdna/map.h>
-
-#include "record/recording.hpp"
+#include "record/localisation.hpp"
 
 namespace vdna::eval
 {

@@ -3,9 +3,7 @@
 
 #include <vector>
 
-#include <vdna/map.h>
-
-#include "record/recording.hpp"
+#include "record/localisation.hpp"
 
 namespace vdna::eval
 {
