@@ -29,10 +29,10 @@ static const vdna_gear default_gears[] = {
 struct vdna_localise {
     vdna_place_filter filter;
     const vdna_localise_map *map;
-    double *mean;     /* [dim], of the live frames */
-    float *last;      /* [dim], the last frame that counted, if any */
-    float *unit;      /* [dim], the present frame about the mean, at length 1 */
-    float *distances; /* [frames] */
+    double *mean;       /* [dim], of the live frames */
+    float *last;        /* [dim], the last frame that counted, if any */
+    float *distances;   /* [frames] */
+    int16_t *direction; /* [stride], of the present frame from the mean */
     vdna_localise_answer answer;
     double gate_sq; /* squared distance within which the robot stands */
     uint32_t mean_frames, mean_frames_max;
@@ -93,16 +93,17 @@ static int is_localise_config(const vdna_localise_config *config)
 
 /* Elements of the caller's block behind the struct, widest first. */
 typedef struct localise_layout {
-    size_t posterior, sums, sources, mean; /* doubles */
+    size_t posterior, places, sums, sources, mean; /* doubles */
     size_t windows;
-    size_t last, unit, distances; /* floats */
-    size_t total;                 /* bytes, with the struct; 0 if the config is invalid */
-    vdna_localise_config config;  /* complete */
+    size_t last, distances;      /* floats */
+    size_t direction;            /* int16_t */
+    size_t total;                /* bytes, with the struct; 0 if the config is invalid */
+    vdna_localise_config config; /* complete */
 } localise_layout;
 
 /* Bytes of each map frame, and of each dimension, at most. */
 enum {
-    FRAME_BYTES_MAX = (VDNA_GEARS_MAX + 1) * 8 + 4 + 12,
+    FRAME_BYTES_MAX = (VDNA_GEARS_MAX + 2) * 8 + 4 + 12,
     DIM_BYTES = 16,
     FIXED_BYTES_MAX = 8192
 };
@@ -125,14 +126,17 @@ static localise_layout layout_of_localise(const vdna_localise_config *given)
         dim > (SIZE_MAX - FIXED_BYTES_MAX) / 2 / DIM_BYTES)
         return l;
     l.posterior = l.config.gear_count * frames;
+    l.places = frames;
     l.sums = frames + 1;
     l.sources = (size_t)l.config.gear_count * VDNA_MOTION_SOURCES;
-    l.mean = l.last = l.unit = dim;
+    l.mean = l.last = dim;
+    l.direction = l.config.map->stride;
     l.windows = l.config.place ? frames : 0;
     l.distances = frames;
-    l.total = sizeof(vdna_localise) + sizeof(double) * (l.posterior + l.sums + l.sources + l.mean) +
-              sizeof(vdna_place_window) * l.windows +
-              sizeof(float) * (l.last + l.unit + l.distances);
+    l.total = sizeof(vdna_localise) +
+              sizeof(double) * (l.posterior + l.places + l.sums + l.sources + l.mean) +
+              sizeof(vdna_place_window) * l.windows + sizeof(float) * (l.last + l.distances) +
+              sizeof(int16_t) * l.direction;
     return l;
 }
 
@@ -164,14 +168,15 @@ static void set_pointers(vdna_localise *localise, const localise_layout *l)
 {
     vdna_place_filter *filter = &localise->filter;
     filter->posterior = (double *)(void *)(localise + 1);
-    filter->sums = filter->posterior + l->posterior;
+    filter->places = filter->posterior + l->posterior;
+    filter->sums = filter->places + l->places;
     filter->sources = filter->sums + l->sums;
     localise->mean = filter->sources + l->sources;
     vdna_place_window *const windows = (vdna_place_window *)(void *)(localise->mean + l->mean);
     filter->windows = l->config.place ? windows : NULL;
     localise->last = (float *)(void *)(windows + l->windows);
-    localise->unit = localise->last + l->last;
-    localise->distances = localise->unit + l->unit;
+    localise->distances = localise->last + l->last;
+    localise->direction = (int16_t *)(void *)(localise->distances + l->distances);
 }
 
 /* see vdna/localise.h */
@@ -242,56 +247,26 @@ static int take_into_mean(vdna_localise *localise, const float *embedding)
 
 /* ---- Distances ---- */
 
-static void take_unit(vdna_localise *localise, const float *embedding)
+/* Distances of all rows. Sums of integers do not depend on their order: they vectorise, and give
+ * the same bits on every machine. */
+VDNA_VECTORISED static void row_distances(const int16_t *restrict direction,
+                                          const int16_t *restrict row, size_t rows, size_t stride,
+                                          float *restrict out)
 {
-    double sum = 0;
-    for (size_t i = 0; i < localise->map->dim; i++) {
-        const double difference = embedding[i] - localise->mean[i];
-        sum += difference * difference;
-    }
-    const double scale = vdna_unit_scale(sum);
-    for (size_t i = 0; i < localise->map->dim; i++)
-        localise->unit[i] = (float)((embedding[i] - localise->mean[i]) * scale);
-}
-
-/* Independent partial sums, always added up in the same order, as in vdna_knn(). */
-enum { PRODUCT_SUMS = 16, PRODUCT_ROWS = sizeof(void *) > 4 ? 32 : 8 };
-
-/* Distances of neighbouring rows. Sums are added up after all rows have theirs, so that this step
- * vectorises over the rows. */
-VDNA_VECTORISED static void row_distances(const float *unit, const float *row, size_t rows,
-                                          size_t dim, float *out)
-{
-    float sums[PRODUCT_ROWS][PRODUCT_SUMS];
-    for (size_t r = 0; r < rows; r++, row += dim) {
-        float sum[PRODUCT_SUMS] = {0};
-        size_t i = 0;
-        for (; i + PRODUCT_SUMS <= dim; i += PRODUCT_SUMS)
-            for (size_t l = 0; l < PRODUCT_SUMS; l++)
-                sum[l] += unit[i + l] * row[i + l];
-        for (size_t l = 0; l < PRODUCT_SUMS; l++)
-            sums[r][l] = sum[l];
-        for (size_t l = 0; i + l < dim; l++)
-            sums[r][l] += unit[i + l] * row[i + l];
-    }
-    for (size_t r = 0; r < rows; r++) {
-        float sum = 0;
-        for (size_t l = 0; l < PRODUCT_SUMS; l++)
-            sum += sums[r][l];
-        out[r] = 1 - sum;
+    const double unit = 1.0 / VDNA_DIRECTION_LENGTH / VDNA_DIRECTION_LENGTH;
+    for (size_t r = 0; r < rows; r++, row += stride) {
+        int32_t product = 0;
+        for (size_t i = 0; i < stride; i++)
+            product += (int32_t)direction[i] * row[i];
+        out[r] = (float)(1 - product * unit);
     }
 }
 
 static void take_distances(vdna_localise *localise, const float *embedding)
 {
     const vdna_localise_map *map = localise->map;
-    take_unit(localise, embedding);
-    for (size_t row = 0; row < map->frames; row += PRODUCT_ROWS) {
-        const size_t left = map->frames - row;
-        row_distances(localise->unit, map->rows + row * map->dim,
-                      left < PRODUCT_ROWS ? left : PRODUCT_ROWS, map->dim,
-                      localise->distances + row);
-    }
+    vdna_take_direction(map, embedding, localise->mean, localise->direction);
+    row_distances(localise->direction, map->rows, map->frames, map->stride, localise->distances);
 }
 
 /* Step the filter unless the robot stands, and tell the nearest frame in any case. */
@@ -364,7 +339,7 @@ void vdna_localise_posterior(const vdna_localise *localise, double *out)
         return;
     const vdna_place_filter *filter = &localise->filter;
     for (size_t i = 0; i < filter->frames; i++)
-        out[i] = filter->scale * vdna_place_filter_place(filter, i);
+        out[i] = filter->scale * filter->places[i];
 }
 
 /* see vdna/localise.h */

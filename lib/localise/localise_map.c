@@ -16,6 +16,11 @@ void vdna_localise_map_config_init(vdna_localise_map_config *config)
     vdna_config_write(config, OLDEST_MAP_CONFIG, &map_defaults, sizeof map_defaults);
 }
 
+static size_t stride_of(uint32_t dim)
+{
+    return (size_t)dim + dim % 2;
+}
+
 /* Read and check a config, all but its embeddings.
  * @param out_config  complete
  * @return bytes of the caller's block; 0 if a field breaks its rule or they are beyond size_t */
@@ -26,12 +31,11 @@ static size_t read_map_config(const vdna_localise_map_config *given,
     if (!vdna_config_read(given, OLDEST_MAP_CONFIG, out_config, sizeof *out_config))
         return 0;
     const size_t frames = out_config->frames, dim = out_config->dim;
-    if (frames == 0 || dim == 0 || out_config->centred > 1)
+    if (frames == 0 || dim == 0 || dim > VDNA_LOCALISE_DIM_MAX || out_config->centred > 1)
         return 0;
-    const size_t room = SIZE_MAX - sizeof(vdna_localise_map);
-    if (dim > room / sizeof(double) || frames > (room - dim * sizeof(double)) / sizeof(float) / dim)
-        return 0;
-    return sizeof(vdna_localise_map) + dim * sizeof(double) + frames * dim * sizeof(float);
+    const size_t room = SIZE_MAX - sizeof(vdna_localise_map) - dim * sizeof(double);
+    const size_t row = stride_of(out_config->dim) * sizeof(int16_t);
+    return frames > room / row ? 0 : SIZE_MAX - room + frames * row;
 }
 
 /* see vdna/localise.h */
@@ -51,10 +55,20 @@ int vdna_all_finite(const float *values, size_t count)
 }
 
 /* see localise_map.h */
-double vdna_unit_scale(double length_sq)
+void vdna_take_direction(const vdna_localise_map *map, const float *frame, const double *mean,
+                         int16_t *out)
 {
-    const double length = vdna_sqrt(length_sq);
-    return 1 / (length < 1e-12 ? 1e-12 : length);
+    double sum = 0;
+    for (size_t i = 0; i < map->dim; i++)
+        sum += (frame[i] - mean[i]) * (frame[i] - mean[i]);
+    const double length = vdna_sqrt(sum);
+    const double scale = VDNA_DIRECTION_LENGTH / (length < 1e-12 ? 1e-12 : length);
+    for (size_t i = 0; i < map->dim; i++) {
+        const double value = (frame[i] - mean[i]) * scale;
+        out[i] = (int16_t)(int32_t)(value + (value < 0 ? -0.5 : 0.5));
+    }
+    if (map->stride > map->dim)
+        out[map->dim] = 0;
 }
 
 static void take_mean(vdna_localise_map *map, const float *embeddings)
@@ -103,30 +117,18 @@ static float distance_of(const float *a, const float *b, size_t dim)
     return (float)(distance < greatest ? distance : greatest);
 }
 
-/* The rows have room for the steps until they are made. */
+/* The rows are at least as wide as a float, so the steps fit there until the rows are made. */
 static void take_step(vdna_localise_map *map, const float *embeddings)
 {
-    const size_t steps = map->frames - 1, dim = map->dim;
-    for (size_t i = 0; i < steps; i++)
-        map->rows[i] = distance_of(embeddings + (i + 1) * dim, embeddings + i * dim, dim);
+    const size_t count = map->frames - 1, dim = map->dim;
+    float *const steps = (float *)(void *)map->rows;
+    for (size_t i = 0; i < count; i++)
+        steps[i] = distance_of(embeddings + (i + 1) * dim, embeddings + i * dim, dim);
     map->step = 0;
-    if (steps > 0)
-        map->step = (value_of_rank(map->rows, steps, (steps - 1) / 2) +
-                     value_of_rank(map->rows, steps, steps / 2)) /
+    if (count > 0)
+        map->step = (value_of_rank(steps, count, (count - 1) / 2) +
+                     value_of_rank(steps, count, count / 2)) /
                     2;
-}
-
-static void make_rows(vdna_localise_map *map, const float *embeddings)
-{
-    float *row = map->rows;
-    for (size_t f = 0; f < map->frames; f++, embeddings += map->dim, row += map->dim) {
-        double sum = 0;
-        for (size_t i = 0; i < map->dim; i++)
-            sum += (embeddings[i] - map->mean[i]) * (embeddings[i] - map->mean[i]);
-        const double scale = vdna_unit_scale(sum);
-        for (size_t i = 0; i < map->dim; i++)
-            row[i] = (float)((embeddings[i] - map->mean[i]) * scale);
-    }
 }
 
 /* see vdna/localise.h */
@@ -146,12 +148,15 @@ vdna_status vdna_localise_map_init(const vdna_localise_map_config *config, void 
     vdna_localise_map *map = mem;
     map->frames = complete.frames;
     map->dim = complete.dim;
+    map->stride = stride_of(complete.dim);
     map->centred = complete.centred;
     map->mean = (double *)(void *)(map + 1);
-    map->rows = (float *)(void *)(map->mean + map->dim);
+    map->rows = (int16_t *)(void *)(map->mean + map->dim);
     take_mean(map, complete.embeddings);
     take_step(map, complete.embeddings);
-    make_rows(map, complete.embeddings);
+    for (size_t f = 0; f < map->frames; f++)
+        vdna_take_direction(map, complete.embeddings + f * map->dim, map->mean,
+                            map->rows + f * map->stride);
     *out_map = map;
     return VDNA_OK;
 }
@@ -166,10 +171,4 @@ double vdna_localise_map_step(const vdna_localise_map *map)
 const double *vdna_localise_map_mean(const vdna_localise_map *map)
 {
     return map ? map->mean : NULL;
-}
-
-/* see vdna/localise.h */
-const float *vdna_localise_map_rows(const vdna_localise_map *map)
-{
-    return map ? map->rows : NULL;
 }

@@ -7,7 +7,7 @@ enum { BLOCK_FRAMES = VDNA_MOTION_BLOCK, REACH = VDNA_MOTION_REACH, SOURCES = VD
 
 /* Independent partial sums, always added up in the same order, so that loops vectorise and give the
  * same bits, vectorised or not. */
-enum { SUMS = 8 };
+enum { SUMS = 8, BLOCK_SUMS = 32 };
 
 static double total_of(const double *sums)
 {
@@ -86,32 +86,19 @@ vdna_row_contrast vdna_row_contrast_of(const float *distances, uint32_t count)
 
 /* Likelihoods relative to that of the nearest frame.
  * @return their sum */
-VDNA_VECTORISED static double likelihoods(const float *distances, size_t count, double least,
-                                          double per_distance, double *out)
+VDNA_VECTORISED static double likelihoods(const float *restrict distances, size_t count,
+                                          double least, double per_distance, double *restrict out)
 {
+    for (size_t i = 0; i < count; i++)
+        out[i] = vdna_exp((least - distances[i]) * per_distance);
     double sums[SUMS] = {0};
     size_t i = 0;
     for (; i + SUMS <= count; i += SUMS)
-        for (size_t l = 0; l < SUMS; l++) {
-            out[i + l] = vdna_exp((least - distances[i + l]) * per_distance);
+        for (size_t l = 0; l < SUMS; l++)
             sums[l] += out[i + l];
-        }
-    for (size_t l = 0; i + l < count; l++) {
-        out[i + l] = vdna_exp((least - distances[i + l]) * per_distance);
+    for (size_t l = 0; i + l < count; l++)
         sums[l] += out[i + l];
-    }
     return total_of(sums);
-}
-
-/* Weights of the frames against "any frame"; their mean is 1. */
-static void weigh(const vdna_place_filter *filter, const float *distances,
-                  const vdna_row_contrast *contrast, double *out_weights)
-{
-    const double sum = likelihoods(distances, filter->frames, contrast->least,
-                                   filter->sharpness / (contrast->deviation + 1e-9), out_weights);
-    const double factor = (1 - filter->clutter) * filter->frames / sum;
-    for (size_t i = 0; i < filter->frames; i++)
-        out_weights[i] = factor * out_weights[i] + filter->clutter;
 }
 
 /* ---- Motion ---- */
@@ -157,64 +144,95 @@ static void kept_at_end(const vdna_place_filter *filter, int is_upper, double *o
     }
 }
 
-/* What arrives at a frame whose source is at `source`, or would be if the gear stood still there.
- */
+/* What arrives at a frame, if `source` is that of the frame `first` before it. */
 static inline double arrival(const double *share, const double *source)
 {
     return share[0] * source[0] + share[1] * source[-1] + share[2] * source[-2] +
            share[3] * source[-3] + share[4] * source[-4] + share[5] * source[-5];
 }
 
-/* Move the posterior of the `count` frames from `begin`, and weigh it.
- * @param sources  [gears][SOURCES], of the frames from begin - REACH to begin + count + REACH */
-VDNA_VECTORISED static void move_block(const vdna_place_filter *filter, size_t begin, size_t count,
-                                       const double *restrict weights)
+/* Move the posterior of the `count` frames from `begin`.
+ * @param sources  of the frames from begin - REACH to begin + count + REACH */
+VDNA_VECTORISED static void move_block(const vdna_place_filter *filter, size_t begin, size_t count)
 {
     const double go_on = 1 - filter->jump;
-    const double arrive = filter->jump / ((double)filter->gear_count * filter->frames);
+    const double jump = filter->jump / ((double)filter->gear_count * filter->frames);
     for (size_t g = 0; g < filter->gear_count; g++) {
         const vdna_gear *gear = &filter->gears[g];
         const double *source = filter->sources + g * SOURCES + (REACH - gear->first);
         double *restrict posterior = filter->posterior + g * filter->frames + begin;
         for (size_t i = 0; i < count; i++)
-            posterior[i] = (go_on * arrival(gear->share, source + i) + arrive) * weights[begin + i];
+            posterior[i] = go_on * arrival(gear->share, source + i) + jump;
     }
 }
 
-/* Move the posterior and weigh it. In place: the sources of a block and of its surroundings are
- * kept apart, before they are overwritten. */
-static void move(vdna_place_filter *filter, const double *weights)
+/* Weigh the posterior of the `count` frames from `begin`, and turn their likelihoods, in `places`,
+ * into their places.
+ * @param factor  of the likelihoods, which makes the mean weight 1 */
+VDNA_VECTORISED static void weigh_block(const vdna_place_filter *filter, size_t begin, size_t count,
+                                        double factor)
 {
-    const size_t frames = filter->frames, gears = filter->gear_count;
-    double kept[2][VDNA_GEARS_MAX];
-    kept_at_end(filter, 0, kept[0]);
-    kept_at_end(filter, 1, kept[1]);
-
-    /* As if a block of nothing had gone before the first. */
-    memset(filter->sources, 0, gears * SOURCES * sizeof *filter->sources);
-    sources_of(filter, 0, REACH, filter->sources + BLOCK_FRAMES + REACH);
-    for (size_t begin = 0; begin < frames; begin += BLOCK_FRAMES) {
-        for (size_t g = 0; g < gears; g++)
-            memcpy(filter->sources + g * SOURCES, filter->sources + g * SOURCES + BLOCK_FRAMES,
-                   2 * REACH * sizeof *filter->sources);
-        sources_of(filter, begin + REACH, BLOCK_FRAMES, filter->sources + 2 * REACH);
-        const size_t left = frames - begin;
-        move_block(filter, begin, left < BLOCK_FRAMES ? left : BLOCK_FRAMES, weights);
+    double weights[BLOCK_FRAMES];
+    double *restrict places = filter->places + begin;
+    for (size_t i = 0; i < count; i++) {
+        weights[i] = factor * places[i] + filter->clutter;
+        places[i] = 0;
     }
-
-    for (size_t g = 0; g < gears; g++) {
-        double *posterior = filter->posterior + g * frames;
-        posterior[0] += (1 - filter->jump) * kept[0][g] * weights[0];
-        posterior[frames - 1] += (1 - filter->jump) * kept[1][g] * weights[frames - 1];
+    for (size_t g = 0; g < filter->gear_count; g++) {
+        double *restrict posterior = filter->posterior + g * filter->frames + begin;
+        for (size_t i = 0; i < count; i++) {
+            posterior[i] *= weights[i];
+            places[i] += posterior[i];
+        }
     }
 }
 
-/* The first step: weigh a robot that may be anywhere. */
-static void begin(vdna_place_filter *filter, const double *weights)
+/* Add what the gears leave at the ends of the map to the posterior of the `count` frames from
+ * `begin`, if an end is among them. */
+static void add_kept(const vdna_place_filter *filter, size_t begin, size_t count,
+                     double kept[2][VDNA_GEARS_MAX])
+{
+    for (size_t g = 0; g < filter->gear_count; g++) {
+        double *posterior = filter->posterior + g * filter->frames;
+        if (begin == 0)
+            posterior[0] += (1 - filter->jump) * kept[0][g];
+        if (begin + count == filter->frames)
+            posterior[filter->frames - 1] += (1 - filter->jump) * kept[1][g];
+    }
+}
+
+/* Make the sources of the block at `begin` and of its surroundings, of which all but the last
+ * BLOCK_FRAMES have been made for the block before. */
+static void advance_sources(const vdna_place_filter *filter, size_t begin)
 {
     for (size_t g = 0; g < filter->gear_count; g++)
-        for (size_t i = 0; i < filter->frames; i++)
-            filter->posterior[g * filter->frames + i] = weights[i];
+        memcpy(filter->sources + g * SOURCES, filter->sources + g * SOURCES + BLOCK_FRAMES,
+               2 * REACH * sizeof *filter->sources);
+    sources_of(filter, begin + REACH, BLOCK_FRAMES, filter->sources + 2 * REACH);
+}
+
+/* Move the posterior, unless this is the first step, and weigh it, block by block. In place:
+ * sources are kept apart before they are overwritten. */
+static void update(const vdna_place_filter *filter, double factor)
+{
+    double kept[2][VDNA_GEARS_MAX];
+    if (filter->is_started) {
+        kept_at_end(filter, 0, kept[0]);
+        kept_at_end(filter, 1, kept[1]);
+        /* As if a block of nothing had gone before the first. */
+        memset(filter->sources, 0, filter->gear_count * SOURCES * sizeof *filter->sources);
+        sources_of(filter, 0, REACH, filter->sources + BLOCK_FRAMES + REACH);
+    }
+    for (size_t begin = 0; begin < filter->frames; begin += BLOCK_FRAMES) {
+        const size_t left = filter->frames - begin;
+        const size_t count = left < BLOCK_FRAMES ? left : BLOCK_FRAMES;
+        if (filter->is_started) {
+            advance_sources(filter, begin);
+            move_block(filter, begin, count);
+            add_kept(filter, begin, count, kept);
+        }
+        weigh_block(filter, begin, count, factor);
+    }
 }
 
 /* see place_filter.h */
@@ -223,6 +241,8 @@ void vdna_place_filter_reset(vdna_place_filter *filter)
     const size_t states = (size_t)filter->gear_count * filter->frames;
     for (size_t i = 0; i < states; i++)
         filter->posterior[i] = 1;
+    for (size_t i = 0; i < filter->frames; i++)
+        filter->places[i] = filter->gear_count;
     filter->scale = 1 / (double)states;
     filter->evidence = 0;
     filter->is_started = 0;
@@ -235,23 +255,30 @@ static size_t frame_at(const vdna_place_filter *filter, size_t order)
     return filter->windows ? filter->windows[order].frame : order;
 }
 
-/* see place_filter.h */
-double vdna_place_filter_place(const vdna_place_filter *filter, size_t frame)
-{
-    double place = 0;
-    for (size_t g = 0; g < filter->gear_count; g++)
-        place += filter->posterior[g * filter->frames + frame];
-    return place;
-}
-
-/* Running sums of the places, in their order.
+/* Running sums of the places, in their order. A block begins with the sum of those before it, added
+ * up apart, so a processor can work on several blocks at once.
  * @return the sum of all */
-static double add_up(const vdna_place_filter *filter, double *out_sums)
+static double add_up(const vdna_place_filter *filter)
 {
-    out_sums[0] = 0;
-    for (size_t i = 0; i < filter->frames; i++)
-        out_sums[i + 1] = out_sums[i] + vdna_place_filter_place(filter, frame_at(filter, i));
-    return out_sums[filter->frames];
+    double before = 0;
+    filter->sums[0] = 0;
+    for (size_t begin = 0; begin < filter->frames; begin += BLOCK_SUMS) {
+        const size_t left = filter->frames - begin, count = left < BLOCK_SUMS ? left : BLOCK_SUMS;
+        double block[BLOCK_SUMS] = {0};
+        for (size_t i = 0; i < count; i++)
+            block[i] = filter->places[frame_at(filter, begin + i)];
+        double sum = before;
+        for (size_t i = 0; i < count; i++) {
+            sum += block[i];
+            filter->sums[begin + i + 1] = sum;
+        }
+        double partial[SUMS] = {0};
+        for (size_t i = 0; i < BLOCK_SUMS; i += SUMS)
+            for (size_t l = 0; l < SUMS; l++)
+                partial[l] += block[i + l];
+        before += total_of(partial);
+    }
+    return before;
 }
 
 static vdna_place_window window_of(const vdna_place_filter *filter, uint32_t i)
@@ -267,26 +294,23 @@ static vdna_place_window window_of(const vdna_place_filter *filter, uint32_t i)
 /* The window of most mass, the first of equals. */
 static vdna_place_window heaviest(const vdna_place_filter *filter, double *out_mass)
 {
-    vdna_place_window best = window_of(filter, 0);
-    double most = filter->sums[best.past] - filter->sums[best.first];
-    for (uint32_t i = 1; i < filter->frames; i++) {
+    uint32_t best = 0;
+    double most = -1;
+    for (uint32_t i = 0; i < filter->frames; i++) {
         const vdna_place_window window = window_of(filter, i);
         const double mass = filter->sums[window.past] - filter->sums[window.first];
-        if (mass > most) {
-            most = mass;
-            best = window;
-        }
+        best = mass > most ? i : best;
+        most = mass > most ? mass : most;
     }
     *out_mass = most;
-    return best;
+    return window_of(filter, best);
 }
 
 static uint32_t likeliest(const vdna_place_filter *filter, const vdna_place_window *window)
 {
     size_t best = frame_at(filter, window->first);
     for (size_t i = window->first; i < window->past; i++)
-        if (vdna_place_filter_place(filter, frame_at(filter, i)) >
-            vdna_place_filter_place(filter, best))
+        if (filter->places[frame_at(filter, i)] > filter->places[best])
             best = frame_at(filter, i);
     return (uint32_t)best;
 }
@@ -303,15 +327,12 @@ static double confidence_of(const vdna_place_filter *filter, double mass)
 void vdna_place_filter_step(vdna_place_filter *filter, const float *distances,
                             const vdna_row_contrast *contrast, vdna_localise_answer *answer)
 {
-    /* The weights lie where the sums will. */
-    double *const weights = filter->sums;
-    weigh(filter, distances, contrast, weights);
-    if (filter->is_started)
-        move(filter, weights);
-    else
-        begin(filter, weights);
+    const double sum =
+        likelihoods(distances, filter->frames, contrast->least,
+                    filter->sharpness / (contrast->deviation + 1e-9), filter->places);
+    update(filter, (1 - filter->clutter) * filter->frames / sum);
 
-    double total = add_up(filter, filter->sums);
+    const double total = add_up(filter);
     filter->scale = 1 / total;
     if (filter->is_started)
         filter->evidence += filter->evidence_share * (vdna_log(total) - filter->evidence);

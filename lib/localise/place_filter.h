@@ -19,7 +19,8 @@ typedef struct vdna_place_window {
 
 typedef struct vdna_place_filter {
     double *posterior; /* [gears][frames]; times `scale` their sum is 1 */
-    double *sums;      /* [frames + 1], working memory: of the evidence, then of the places */
+    double *places;    /* [frames], sums over the gears, times `scale` too; before that, evidence */
+    double *sums;      /* [frames + 1], running sums of the places, in their order */
     double *sources;   /* [gears][VDNA_MOTION_SOURCES], working memory of the motion */
     vdna_place_window *windows; /* [frames], in the order of places; NULL = places are frames */
     vdna_gear gears[VDNA_GEARS_MAX];
@@ -54,8 +55,5 @@ vdna_row_contrast vdna_row_contrast_of(const float *distances, uint32_t count);
  * @param answer     frame, mass and confidence are written */
 void vdna_place_filter_step(vdna_place_filter *filter, const float *distances,
                             const vdna_row_contrast *contrast, vdna_localise_answer *answer);
-
-/* Posterior of a frame, not normalised: times `scale` the sum over all frames is 1. */
-double vdna_place_filter_place(const vdna_place_filter *filter, size_t frame);
 
 #endif

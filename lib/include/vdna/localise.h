@@ -8,7 +8,7 @@
  *  machine. The instructions of a frame do not depend on its content.
  *
  *  Definition. N map frames m_j and live frames x of `dim` numbers; G gears; doubles throughout,
- *  except for the distances.
+ *  except for the directions.
  *
  *  - **Map.** M = mean of the m_j (0 if not `centred`); u_j = unit(m_j - M), where
  *    unit(v) = v / max(|v|, 1e-12); S = median of |m_(j+1) - m_j|, each rounded to float.
@@ -16,10 +16,11 @@
  *    |x - x'| > `gate` S, x' being the last frame that counted, or if there is none yet:
  *    n = min(n + 1, `mean_frames_max`), L = L + (x - L) / n. If not `centred`, L stays 0. The robot
  *    moves if the frame counts; otherwise it stands, and the filter is not stepped.
- *  - **Distance.** d_j = 1 - u_j . unit(x - L), in single precision, summed in a fixed order:
- * within (dim / 16 + 22) 2^-24 of the exact value. 0 = same direction, 1 = no likeness, 2 =
- * opposite. A frame that equals its mean has distance 1 to all. The nearest frame is the one of
- * least distance; the lowest of equals.
+ *  - **Distance.** d_j = 1 - u_j . unit(x - L), where the numbers of both directions are rounded to
+ *    multiples of 1/32767, and their product is exact: d_j is within sqrt(dim) / 32500 of the exact
+ *    value, and as a rule within 4e-5, whatever `dim`. 0 = same direction, 1 = no likeness, 2 =
+ *    opposite. A frame that equals its mean has distance 1 to all. The nearest frame is the one of
+ *    least distance; the lowest of equals.
  *  - **Evidence.** z_j = (mean(d) - d_j) / (sd(d) + 1e-9), sd that of all N;
  *    e_j = exp(`sharpness` (z_j - max z)); w_j = (1 - `clutter`) e_j / mean(e) + `clutter`.
  *  - **Motion.** The posterior p[g][j] begins as 1 / (G N), and is first moved by the second step:
@@ -57,16 +58,17 @@
 extern "C" {
 #endif
 
-#define VDNA_GEARS_MAX 8       /**< gears of a filter */
-#define VDNA_GEAR_SHARES 6     /**< frames over which one gear spreads */
-#define VDNA_GEAR_FIRST_MIN -8 /**< least `first` of a gear */
-#define VDNA_GEAR_FIRST_MAX 3  /**< greatest `first` of a gear */
+#define VDNA_LOCALISE_DIM_MAX 1048576 /**< numbers in an embedding to localise by */
+#define VDNA_GEARS_MAX 8              /**< gears of a filter */
+#define VDNA_GEAR_SHARES 6            /**< frames over which one gear spreads */
+#define VDNA_GEAR_FIRST_MIN -8        /**< least `first` of a gear */
+#define VDNA_GEAR_FIRST_MAX 3         /**< greatest `first` of a gear */
 
 /** Frames of an experience to localise in. Fill with vdna_localise_map_config_init(). */
 typedef struct vdna_localise_map_config {
     uint32_t struct_size; /**< set by vdna_localise_map_config_init() */
     uint32_t frames;      /**< N, >= 1 */
-    uint32_t dim;         /**< numbers in an embedding, >= 1 */
+    uint32_t dim;         /**< numbers in an embedding, 1..VDNA_LOCALISE_DIM_MAX */
     uint32_t centred;     /**< 1 = distances are about the means (default), 0 = about the origin */
     const float *embeddings; /**< [frames][dim], finite, in the order of the drive; needed for
                                   vdna_localise_map_init() only */
@@ -134,8 +136,8 @@ typedef struct vdna_localise_answer {
  *  @param config  NULL is allowed */
 VDNA_API void vdna_localise_map_config_init(vdna_localise_map_config *config);
 
-/** Bytes that vdna_localise_map_init() needs: 4 for each number of the embeddings, 8 for each of
- *  their mean, and some 50.
+/** Bytes that vdna_localise_map_init() needs: 2 for each number of the embeddings, rows of an odd
+ *  dimension rounded up, 8 for each of their mean, and some 50.
  *  @param config  its embeddings are ignored
  *  @return bytes; 0 if a field breaks its rule or the sum is beyond size_t */
 VDNA_API size_t vdna_localise_map_mem_size(const vdna_localise_map_config *config);
@@ -161,17 +163,12 @@ VDNA_API double vdna_localise_map_step(const vdna_localise_map *map);
  *  @return [dim], borrowed as long as the map is in use; all 0 if not centred */
 VDNA_API const double *vdna_localise_map_mean(const vdna_localise_map *map);
 
-/** Get the frames about their mean, at length 1.
- *  @param map  NULL gives NULL
- *  @return [frames][dim], borrowed as long as the map is in use */
-VDNA_API const float *vdna_localise_map_rows(const vdna_localise_map *map);
-
 /** Write the defaults; the caller must set map and tolerance.
  *  @param config  NULL is allowed */
 VDNA_API void vdna_localise_config_init(vdna_localise_config *config);
 
-/** Bytes that vdna_localise_init() needs: for each map frame 12 and 8 for each gear, 36 by default,
- *  and 12 more if there are places; for each dimension 16; and some 4 KB.
+/** Bytes that vdna_localise_init() needs: for each map frame 20 and 8 for each gear, 44 by default,
+ *  and 12 more if there are places; for each dimension 14; and some 3 KB.
  *  @param config  `place` may be any address other than NULL if there will be places
  *  @return bytes; 0 if a field breaks its rule or the sum is beyond size_t */
 VDNA_API size_t vdna_localise_mem_size(const vdna_localise_config *config);
