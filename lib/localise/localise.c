@@ -101,12 +101,8 @@ typedef struct localise_layout {
     vdna_localise_config config; /* complete */
 } localise_layout;
 
-/* Bytes of each map frame, and of each dimension, at most. */
-enum {
-    FRAME_BYTES_MAX = (VDNA_GEARS_MAX + 2) * 8 + 4 + 12,
-    DIM_BYTES = 16,
-    FIXED_BYTES_MAX = 8192
-};
+/* Bytes of a map frame, at most. */
+enum { FRAME_BYTES_MAX = (VDNA_GEARS_MAX + 2) * 8 + 4 + 12 };
 
 static localise_layout layout_of_localise(const vdna_localise_config *given)
 {
@@ -121,9 +117,8 @@ static localise_layout layout_of_localise(const vdna_localise_config *given)
         l.config.gear_count = sizeof default_gears / sizeof *default_gears;
     }
     const size_t frames = l.config.map->frames, dim = l.config.map->dim;
-    /* Each is at most half of the rest, so their sum cannot wrap. */
-    if (frames > (SIZE_MAX - FIXED_BYTES_MAX) / 2 / FRAME_BYTES_MAX ||
-        dim > (SIZE_MAX - FIXED_BYTES_MAX) / 2 / DIM_BYTES)
+    /* All that does not grow with the frames is far below half of any memory. */
+    if (frames > SIZE_MAX / 2 / FRAME_BYTES_MAX)
         return l;
     l.posterior = l.config.gear_count * frames;
     l.places = frames;
