@@ -4,9 +4,10 @@
 
 #include <vdna/localise.h>
 
-/* Map frames in a block of vdna_place_filter's motion, and the farthest that a gear carries. */
+/* Map frames in a block of vdna_place_filter's motion, for a small stack fewer, and the farthest
+ * that a gear carries. */
 enum {
-    VDNA_MOTION_BLOCK = 64,
+    VDNA_MOTION_BLOCK = sizeof(void *) > 4 ? 64 : 16,
     VDNA_MOTION_REACH = 8,
     VDNA_MOTION_SOURCES = VDNA_MOTION_BLOCK + 2 * VDNA_MOTION_REACH
 };
