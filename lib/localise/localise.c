@@ -203,7 +203,13 @@ void vdna_localise_reset(vdna_localise *localise)
     if (!localise)
         return;
     vdna_place_filter_reset(&localise->filter);
-    memcpy(localise->mean, localise->map->mean, localise->map->dim * sizeof *localise->mean);
+    /* A mean that is worth nothing begins as 0, so that the first frame becomes it to the last bit.
+     */
+    const size_t bytes = localise->map->dim * sizeof *localise->mean;
+    if (localise->mean_frames > 0)
+        memcpy(localise->mean, localise->map->mean, bytes);
+    else
+        memset(localise->mean, 0, bytes);
     memset(localise->distances, 0, localise->map->frames * sizeof *localise->distances);
     memset(&localise->answer, 0, sizeof localise->answer);
     localise->counted = localise->mean_frames;
@@ -248,7 +254,7 @@ VDNA_VECTORISED static void row_distances(const int16_t *restrict direction,
                                           const int16_t *restrict row, size_t rows, size_t stride,
                                           float *restrict out)
 {
-    const double unit = 1.0 / VDNA_DIRECTION_LENGTH / VDNA_DIRECTION_LENGTH;
+    const double unit = 1 / (VDNA_DIRECTION_LENGTH * VDNA_DIRECTION_LENGTH);
     for (size_t r = 0; r < rows; r++, row += stride) {
         int32_t product = 0;
         for (size_t i = 0; i < stride; i++)

@@ -15,7 +15,7 @@ struct vdna_localise_map {
 
 /* What a direction's length of 1 is as an integer. The product of two directions is at most its
  * square, in whatever order the products of their numbers are added up, and so fits 32 bits. */
-enum { VDNA_DIRECTION_LENGTH = 32767 };
+#define VDNA_DIRECTION_LENGTH 32767.0
 
 /* Write the direction of a frame from the map's or the live mean, rounded to integers.
  * @param out  [stride] */

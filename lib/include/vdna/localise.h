@@ -12,7 +12,7 @@
  *
  *  - **Map.** M = mean of the m_j (0 if not `centred`); u_j = unit(m_j - M), where
  *    unit(v) = v / max(|v|, 1e-12); S = median of |m_(j+1) - m_j|, each rounded to float.
- *  - **Live mean.** Begins as L = M, worth n = `mean_frames` frames. A frame x counts if
+ *  - **Live mean.** Begins as L = M, worth n = `mean_frames` frames; as 0 if that is 0. A frame x counts if
  *    |x - x'| > `gate` S, x' being the last frame that counted, or if there is none yet:
  *    n = min(n + 1, `mean_frames_max`), L = L + (x - L) / n. If not `centred`, L stays 0. The robot
  *    moves if the frame counts; otherwise it stands, and the filter is not stepped.
