@@ -341,7 +341,7 @@ void vdna_place_filter_step(vdna_place_filter *filter, const float *distances,
     double mass;
     const vdna_place_window window = heaviest(filter, &mass);
     mass *= filter->scale;
-    mass = mass < 1e-9 ? 1e-9 : mass > 1 - 1e-9 ? 1 - 1e-9 : mass;
+    mass = mass > 1 - 1e-9 ? 1 - 1e-9 : mass;
     answer->frame = likeliest(filter, &window);
     answer->mass = mass;
     answer->confidence = confidence_of(filter, mass);

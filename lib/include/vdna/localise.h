@@ -33,7 +33,7 @@
  * differs from its own by at most `tolerance`; a frame's place is its index, or what `place` says.
  * The frame that is told is the one of largest P, the first of equals, in the window of most mass;
  *    among equal windows that of the lowest place, then of the lowest frame.
- *    m = that mass, clipped to 1e-9 .. 1 - 1e-9.
+ *    m = that mass, at most 1 - 1e-9.
  *  - **Confidence** = 1 / (1 + exp(-(c0 + c1 clip(log(m / (1 - m)), -8, 8) + c2 E))), c being
  *    `confidence`.
  *
@@ -128,7 +128,7 @@ typedef struct vdna_localise_answer {
                                   `confidence` and `mass` are those of the answer before */
     uint32_t reserved;       /**< 0 */
     double confidence;       /**< 0..1, of `frame` */
-    double mass;             /**< posterior of the window of `frame`, 1e-9..1 - 1e-9 */
+    double mass;             /**< posterior of the window of `frame`, at most 1 - 1e-9 */
     double nearest_distance; /**< of `nearest`, 0..2 */
 } vdna_localise_answer;
 

@@ -176,7 +176,7 @@ static void before_the_first_step_nothing_is_known(void **state)
     double posterior[MAP];
     vdna_localise_posterior(localise, posterior);
     for (int i = 0; i < MAP; i++)
-        assert_near(posterior[i] * MAP, 1, 1e-9);
+        assert_near(posterior[i], 1 / (double)MAP, 1e-12);
 }
 
 static void the_mean_begins_as_the_maps_worth_three_frames(void **state)
@@ -295,6 +295,53 @@ static void a_map_of_one_frame_always_has_all_of_the_mass(void **state)
     }
 }
 
+static void on_a_long_map_that_says_nothing_confidence_has_a_floor(void **state)
+{
+    (void)state;
+    enum { LONG = 5000 };
+    static float zeros[LONG];
+    static int64_t long_map_mem[LONG], long_mem[8 * LONG];
+    vdna_localise_map_config map_config;
+    vdna_localise_map_config_init(&map_config);
+    map_config.frames = LONG;
+    map_config.dim = 1;
+    map_config.embeddings = zeros;
+    vdna_localise_map *map;
+    OK(vdna_localise_map_init(&map_config, long_map_mem, sizeof long_map_mem, &map));
+    vdna_localise_config config = config_of(map);
+    config.tolerance = 0;
+    vdna_localise *localise;
+    OK(vdna_localise_init(&config, long_mem, sizeof long_mem, &localise));
+    vdna_localise_answer answer;
+    OK(vdna_localise_feed_distances(localise, zeros, &answer));
+    assert_near(answer.mass, 1 / (double)LONG, 1e-12);
+    assert_near(answer.confidence, 1 / (1 + exp(2.5 + 0.53 * 8)), 1e-12);
+}
+
+static void the_least_likelihoods_and_confidences_are_numbers(void **state)
+{
+    (void)state;
+    enum { FEW = 200 };
+    static const float embeddings[FEW] = {0};
+    float distances[FEW] = {0};
+    distances[17] = -1;
+    vdna_localise_config config = config_of(map_of(embeddings, FEW, 1));
+    config.sharpness = 100;
+    config.tolerance = 0;
+    config.clutter = 1;
+    config.confidence[0] = -100;
+    config.confidence[1] = 100;
+    vdna_localise *localise = made(&config);
+    vdna_localise_answer answer;
+    OK(vdna_localise_feed_distances(localise, distances, &answer));
+    assert_true(answer.confidence >= 0 && answer.confidence < 1e-200);
+    config.clutter = 1e-300;
+    localise = made(&config);
+    OK(vdna_localise_feed_distances(localise, distances, &answer));
+    assert_int_equal(answer.frame, 17);
+    assert_true(answer.mass == 1 - 1e-9 && answer.confidence == 1);
+}
+
 /* ---- Places ---- */
 
 enum { LOOP = 80 };
@@ -332,6 +379,20 @@ static void a_frame_without_a_place_is_a_place_of_its_own(void **state)
     /* All are as likely; only the last two are one place. */
     assert_near(answer.mass, 0.4, 1e-12);
     assert_int_equal(answer.frame, 4);
+}
+
+static void without_any_places_all_frames_are_places_of_their_own(void **state)
+{
+    (void)state;
+    const float embeddings[3] = {0}, distances[3] = {1, 0, 1};
+    const int64_t place[3] = {INT64_MIN, INT64_MIN, INT64_MIN};
+    vdna_localise_config config = config_of(map_of(embeddings, 3, 1));
+    config.place = place;
+    vdna_localise *localise = made(&config);
+    vdna_localise_answer answer;
+    OK(vdna_localise_feed_distances(localise, distances, &answer));
+    assert_int_equal(answer.frame, 1);
+    assert_true(answer.mass < 0.99);
 }
 
 static void places_that_are_their_frames_change_nothing(void **state)
@@ -645,8 +706,11 @@ int main(void)
         cmocka_unit_test(a_reset_forgets_everything),
         cmocka_unit_test(on_a_map_whose_frames_are_alike_nothing_is_seen),
         cmocka_unit_test(a_map_of_one_frame_always_has_all_of_the_mass),
+        cmocka_unit_test(on_a_long_map_that_says_nothing_confidence_has_a_floor),
+        cmocka_unit_test(the_least_likelihoods_and_confidences_are_numbers),
         cmocka_unit_test(a_place_passed_twice_is_one_place),
         cmocka_unit_test(a_frame_without_a_place_is_a_place_of_its_own),
+        cmocka_unit_test(without_any_places_all_frames_are_places_of_their_own),
         cmocka_unit_test(places_that_are_their_frames_change_nothing),
         cmocka_unit_test(a_permuted_map_gives_permuted_answers),
         cmocka_unit_test(the_scale_of_activations_changes_nothing),
