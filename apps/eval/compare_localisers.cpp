@@ -99,8 +99,9 @@ class Run
                         (*evaluation_.traversals)[query.traversal].name +
                         " has a frame with ground truth, which tells frames of one place; leave " +
                         by_.key + " out of --localisers");
-        const Drive drive = {recording(query.traversal), query.warmup_begin, query.warmup_frames,
-                             query.live, dim};
+        const Drive drive = {
+            recording(query.traversal), query.warmup_begin, query.warmup_frames, query.live, dim,
+            evaluation_.tolerance};
         const vdna_experience experience = map_of(map, dim);
         return recall_of(by_.find(drive, experience), drive, experience, evaluation_, judged_);
     }

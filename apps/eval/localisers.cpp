@@ -5,6 +5,7 @@
 #include <vdna/cpp/error.hpp>
 #include <vdna/knn.h>
 
+#include "eval/filter.hpp"
 #include "eval/seqslam.hpp"
 #include "program/interrupt.hpp"
 
@@ -13,6 +14,8 @@ namespace vdna::eval
 
 const std::vector<Localiser> localisers = {
     {"nn", "Nearest frame", MapKind::each, nearest},
+    {"centred", "Nearest frame about the means", MapKind::each, centred},
+    {"filter", "Place filter", MapKind::each, filter},
     {"seqslam", "SeqSLAM", MapKind::each, seqslam},
     {"fused", "Nearest frame of the fused map", MapKind::fused, nearest},
     {"all", "Nearest frame of all references", MapKind::all, nearest},

@@ -18,6 +18,7 @@ struct Drive {
     uint32_t warmup_frames;            // frames in the live Visual DNA
     const std::vector<uint32_t> &live; // frames to localise, ascending, after the warmup
     uint32_t dim;                      // of the embeddings
+    double tolerance;                  // of a good match, places or metres
 
     const float *embedding(uint32_t frame) const
     {

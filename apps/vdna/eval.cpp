@@ -305,7 +305,7 @@ void add_eval(CLI::App &app)
         "  vdna eval runs/ --tolerance 5 --json result.json\n"
         "  vdna eval nordland/ --protocol nordland --backbone cosplace_resnet101_128\n"
         "  vdna eval runs/ --ablate bins --bins 10,100,1000\n"
-        "  vdna eval runs/ --localisers nn,seqslam,fused,all --html report.html");
+        "  vdna eval runs/ --localisers nn,filter,seqslam,all --html report.html");
     command->callback([options, command] {
         options->command_line = command_line_of(*command);
         run(*options);

@@ -25,7 +25,7 @@ void answers_are_those_of_numpy(void **)
     const record::Recording map = recording_of(golden_map, MAP_FRAMES);
     const std::vector<uint32_t> asked(std::begin(golden_asked), std::end(golden_asked));
     const std::vector<eval::Answer> answers =
-        eval::seqslam({live, BEGIN, asked.front() - BEGIN, asked, DIM}, eval::map_of(map, DIM));
+        eval::seqslam({live, BEGIN, asked.front() - BEGIN, asked, DIM, 5}, eval::map_of(map, DIM));
     assert_int_equal(answers.size(), asked.size());
     for (size_t i = 0; i < answers.size(); i++) {
         assert_int_equal(answers[i].frame, golden_answers[i]);

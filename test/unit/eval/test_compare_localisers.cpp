@@ -56,7 +56,7 @@ void an_answer_is_good_within_tolerance_and_a_frame_without_truth_does_not_count
     Fixture f;
     const record::Recording &live = f.traversals[0].recording;
     const std::vector<uint32_t> frames = {1, 2, 4};
-    const eval::Drive drive = {live, 0, 1, frames, 1};
+    const eval::Drive drive = {live, 0, 1, frames, 1, 5};
     const vdna_experience map = eval::map_of(f.traversals[1].recording, 1);
     f.evaluation.tolerance = 1;
     std::vector<eval::JudgedAnswer> judged;
@@ -71,7 +71,7 @@ void answers_without_confidence_are_not_judged_by_it(void **)
 {
     const Fixture f;
     const std::vector<uint32_t> frames = {0};
-    const eval::Drive drive = {f.traversals[0].recording, 0, 0, frames, 1};
+    const eval::Drive drive = {f.traversals[0].recording, 0, 0, frames, 1, 5};
     const vdna_experience map = eval::map_of(f.traversals[1].recording, 1);
     std::vector<eval::JudgedAnswer> judged;
     assert_true(recall_of({{0, {}}}, drive, map, f.evaluation, judged) == 100);

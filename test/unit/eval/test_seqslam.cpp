@@ -23,7 +23,7 @@ std::vector<uint32_t> answers_of(const record::Recording &live, uint32_t begin,
 {
     std::vector<uint32_t> frames;
     for (const eval::Answer &answer :
-         eval::seqslam({live, begin, asked.front() - begin, asked, 1}, eval::map_of(map, 1)))
+         eval::seqslam({live, begin, asked.front() - begin, asked, 1, 5}, eval::map_of(map, 1)))
         frames.push_back(answer.frame);
     return frames;
 }
