@@ -15,6 +15,8 @@ void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDN
         {"range", "F32", 4, 0, e->identity.neurons, 2, e->identity.range},
         {"embeddings", "F32", 4, 0, e->frames, e->identity.dim, e->embeddings},
         {"frame_grey", "F32", 4, 0, e->frames, 0, e->frame_grey},
+        {"frame_last_layer_scale", "F32", 4, 1, e->frames, 0, e->last_layer_scale},
+        {"frame_last_layer", "I8", 1, 1, e->frames, e->last_layer_dim, e->last_layer},
     };
     memcpy(out_fields, fields, sizeof fields);
 }
@@ -22,6 +24,8 @@ void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDN
 unsigned vdna_layout_version(const vdna_experience *experience)
 {
     const vdna_experience *e = experience;
+    if (e->identity.embedding[0] != '\0' || e->last_layer)
+        return 3;
     for (size_t f = 0; f < e->frames; f++)
         if ((e->frame_place && e->frame_place[f] == VDNA_PLACE_NONE) ||
             (e->frame_position && isnan(e->frame_position[3 * f])))

@@ -48,11 +48,18 @@ static vdna_status check_tensor(const vdna_tensor *tensor, const vdna_field *fie
                          "tensor %s has %" PRIu64 " bytes, expected %" PRIu64 " numbers of %" PRIu32
                          " bytes",
                          field->name, bytes, vdna_layout_elements(field), field->width);
-    if (tensor->begin % field->width != 0)
-        return vdna_fail(reason, VDNA_ERR_FORMAT,
-                         "tensor %s begins at byte %" PRIu64 ", expected a multiple of %" PRIu32,
-                         field->name, tensor->begin, field->width);
     return VDNA_OK;
+}
+
+/* The numbers of a field are used in place. */
+static vdna_status check_alignment(const vdna_tensor *tensor, const vdna_field *field,
+                                   vdna_error *reason)
+{
+    if (tensor->begin % field->width == 0)
+        return VDNA_OK;
+    return vdna_fail(reason, VDNA_ERR_FORMAT,
+                     "tensor %s begins at byte %" PRIu64 ", expected a multiple of %" PRIu32,
+                     field->name, tensor->begin, field->width);
 }
 
 uint32_t vdna_read_checksum(const unsigned char *bytes, size_t size, const vdna_tensor *crc)
@@ -138,6 +145,9 @@ static vdna_status read_texts(const vdna_header *header, vdna_error *reason, vdn
                                sizeof e->position_frame, reason);
     if (status == VDNA_OK)
         status = read_optional(header, "order", e->order, sizeof e->order, reason);
+    if (status == VDNA_OK)
+        status = read_optional(header, "embedding", e->identity.embedding,
+                               sizeof e->identity.embedding, reason);
     return status;
 }
 
@@ -160,6 +170,15 @@ static vdna_status read_sizes(const vdna_header *header, const char *name, vdna_
     return VDNA_OK;
 }
 
+static vdna_status read_last_layer_size(const vdna_header *header, vdna_error *reason,
+                                        vdna_experience *e)
+{
+    uint32_t rows; /* read_fields() compares them with the frames */
+    if (!vdna_header_tensor(header, "frame_last_layer"))
+        return VDNA_OK;
+    return read_sizes(header, "frame_last_layer", reason, &rows, &e->last_layer_dim);
+}
+
 static vdna_status read_fields(const unsigned char *bytes, const vdna_header *header,
                                const vdna_experience *e, vdna_error *reason,
                                vdna_field fields[VDNA_FIELD_COUNT])
@@ -169,7 +188,9 @@ static vdna_status read_fields(const unsigned char *bytes, const vdna_header *he
         const vdna_tensor *tensor = vdna_header_tensor(header, fields[f].name);
         if (!tensor)
             continue; /* vdna_rules_check() knows which ones may be absent */
-        const vdna_status status = check_tensor(tensor, &fields[f], reason);
+        vdna_status status = check_tensor(tensor, &fields[f], reason);
+        if (status == VDNA_OK)
+            status = check_alignment(tensor, &fields[f], reason);
         if (status != VDNA_OK)
             return status;
         fields[f].data = bytes + tensor->begin;
@@ -186,6 +207,8 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
     if (status == VDNA_OK)
         status = read_sizes(header, "embeddings", reason, &e->frames, &e->identity.dim);
     if (status == VDNA_OK)
+        status = read_last_layer_size(header, reason, e);
+    if (status == VDNA_OK)
         status = read_fields(bytes, header, e, reason, fields);
     if (status != VDNA_OK)
         return status;
@@ -198,6 +221,8 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
     e->identity.range = fields[VDNA_FIELD_RANGE].data;
     e->embeddings = fields[VDNA_FIELD_EMBEDDINGS].data;
     e->frame_grey = fields[VDNA_FIELD_GREY].data;
+    e->last_layer_scale = fields[VDNA_FIELD_LAST_LAYER_SCALE].data;
+    e->last_layer = fields[VDNA_FIELD_LAST_LAYER].data;
     return VDNA_OK;
 }
 

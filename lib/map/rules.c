@@ -42,6 +42,24 @@ static vdna_status check_identity(const vdna_experience *e, vdna_error *reason)
     return vdna_identity_check(&e->identity, reason);
 }
 
+static vdna_status check_last_layer(const vdna_experience *e, vdna_error *reason)
+{
+    const int codes = e->last_layer != NULL, scales = e->last_layer_scale != NULL;
+    if (codes != scales || codes != (e->last_layer_dim > 0))
+        return vdna_fail(reason, VDNA_ERR_ARG,
+                         "the last layer has %" PRIu32 " numbers of each frame, %s and %s,"
+                         " expected all of it or nothing",
+                         e->last_layer_dim, codes ? "codes" : "no codes",
+                         scales ? "scales" : "no scales");
+    for (size_t f = 0; scales && f < e->frames; f++)
+        if (!isfinite(e->last_layer_scale[f]) || e->last_layer_scale[f] < 0)
+            return vdna_fail(reason, VDNA_ERR_ARG,
+                             "the scale of the last layer of frame %zu is %g, expected a finite"
+                             " number from 0",
+                             f, (double)e->last_layer_scale[f]);
+    return VDNA_OK;
+}
+
 /* Check the mass of every neuron of a tap; `first` is the first one. */
 static vdna_status check_tap_mass(const vdna_experience *e, size_t first, const vdna_tap *t,
                                   vdna_error *reason)
@@ -183,8 +201,8 @@ static vdna_status check_positions(const vdna_experience *e, vdna_error *reason)
 vdna_status vdna_rules_check(const vdna_experience *experience, vdna_error *reason)
 {
     static vdna_status (*const checks[])(const vdna_experience *, vdna_error *) = {
-        check_name,    check_shape, check_identity,       check_mass,     check_counts,
-        check_numbers, check_order, check_position_frame, check_positions};
+        check_name,   check_shape,   check_last_layer, check_identity,       check_mass,
+        check_counts, check_numbers, check_order,      check_position_frame, check_positions};
     for (size_t c = 0; c < sizeof checks / sizeof *checks; c++) {
         const vdna_status status = checks[c](experience, reason);
         if (status != VDNA_OK)
