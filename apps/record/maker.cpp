@@ -111,6 +111,9 @@ vdna_experience Maker::experience_of(const Draft &draft) const
     e.counts = histogram->counts;
     e.mass = histogram->mass;
     e.embeddings = r.embeddings.data();
+    e.last_layer = r.last_layer.empty() ? nullptr : r.last_layer.data();
+    e.last_layer_scale = r.last_layer.empty() ? nullptr : r.last_layer_scale.data();
+    e.last_layer_dim = r.last_layer_dim;
     e.frame_utime = r.utime.data();
     e.frame_place = r.place.empty() ? nullptr : r.place.data();
     e.frame_position = r.position.empty() ? nullptr : r.position.data();

@@ -102,6 +102,8 @@ program::Json json_of(const Experience &file)
             {"precision", e.identity.precision},
             {"preprocessing", e.identity.preprocessing},
             {"taps", e.identity.taps},
+            {"embedding", e.identity.embedding},
+            {"last_layer_dim", e.last_layer_dim},
             {"comparable", e.comparable}};
 }
 
