@@ -2,6 +2,9 @@
 
 #include <cstring>
 
+#include <vdna/cpp/error.hpp>
+#include <vdna/int8.h>
+
 namespace vdna::record
 {
 
@@ -22,6 +25,18 @@ void end_recording(Draft &draft, const Pass &pass)
     draft.recording.require_frames(draft.source);
 }
 
+void encode_embeddings(Draft &draft)
+{
+    const std::vector<float> &values = draft.recording.embeddings;
+    const size_t frames = draft.recording.frames, dim = values.size() / frames;
+    draft.embedding_codes.resize(values.size());
+    draft.embedding_scale.resize(frames);
+    for (size_t i = 0; i < frames; i++)
+        require(vdna_int8_encode(&values[dim * i], dim, &draft.embedding_codes[dim * i],
+                                 &draft.embedding_scale[i]),
+                draft.source);
+}
+
 } // namespace
 
 Maker::Maker(Backbone &backbone, const frames::SourceOptions &options, uint32_t bins)
@@ -34,10 +49,13 @@ void Maker::make(std::vector<Draft> &drafts, uint32_t range_rule)
 {
     if (ranges_.values.empty()) {
         calibrate(drafts, range_rule);
-        return;
+    } else {
+        for (Draft &draft : drafts)
+            record_and_count(draft);
     }
-    for (Draft &draft : drafts)
-        record_and_count(draft);
+    if (backbone_.info().embedding_int8 != 0)
+        for (Draft &draft : drafts)
+            encode_embeddings(draft);
 }
 
 void Maker::record_and_count(Draft &draft)
@@ -111,6 +129,10 @@ vdna_experience Maker::experience_of(const Draft &draft) const
     e.counts = histogram->counts;
     e.mass = histogram->mass;
     e.embeddings = r.embeddings.data();
+    if (!draft.embedding_codes.empty()) {
+        e.embedding_codes = draft.embedding_codes.data();
+        e.embedding_scale = draft.embedding_scale.data();
+    }
     e.last_layer = r.last_layer.empty() ? nullptr : r.last_layer.data();
     e.last_layer_scale = r.last_layer.empty() ? nullptr : r.last_layer_scale.data();
     e.last_layer_dim = r.last_layer_dim;

@@ -23,7 +23,9 @@ struct Draft {
     std::string source; // path, as for frames::Source
     std::string name;   // of the experience, passes vdna_name_check()
     Recording recording;
-    std::optional<Histogram> histogram; // once the ranges are known
+    std::optional<Histogram> histogram;  // once the ranges are known
+    std::vector<int8_t> embedding_codes; // [frames][dim], or [0] if the file is to have floats
+    std::vector<float> embedding_scale;  // [frames] or [0]
 };
 
 class Maker

@@ -103,6 +103,7 @@ program::Json json_of(const Experience &file)
             {"preprocessing", e.identity.preprocessing},
             {"taps", e.identity.taps},
             {"embedding", e.identity.embedding},
+            {"storage", e.embedding_codes ? "int8" : "float32"},
             {"last_layer_dim", e.last_layer_dim},
             {"comparable", e.comparable}};
 }

@@ -267,13 +267,15 @@ Grid Reader::grid(const toml::node &node) const
 
 Embedding Reader::embedding(const toml::table &table) const
 {
-    allow_only(table, {"output", "grid", "centre", "last_layer", "l2_normalise"});
+    allow_only(table, {"output", "grid", "centre", "last_layer", "l2_normalise", "storage"});
     Embedding embedding{};
     embedding.output = word(table, "output");
     if (const toml::node *const node = table.get("grid"))
         embedding.grid = grid(*node);
     embedding.centre = table.contains("centre") && flag(table, "centre");
     embedding.l2_normalise = flag(table, "l2_normalise");
+    embedding.int8 =
+        table.contains("storage") && choice(table, "storage", {"float32", "int8"}) == 1;
     if (table.contains("last_layer"))
         embedding.last_layer = word(table, "last_layer");
     return embedding;
@@ -287,8 +289,11 @@ Embedding Reader::papers_embedding(const toml::table &root) const
     if (ours.grid && ours.last_layer.empty())
         refuse(table.source(), "protocol 'paper' localises by the last layer; name its output, "
                                "'last_layer = ...'");
-    return {
-        ours.last_layer.empty() ? ours.output : ours.last_layer, {}, false, ours.l2_normalise, ""};
+    Embedding whole{};
+    whole.output = ours.last_layer.empty() ? ours.output : ours.last_layer;
+    whole.l2_normalise = ours.l2_normalise;
+    whole.int8 = ours.int8;
+    return whole;
 }
 
 Manifest Reader::manifest(const toml::table &root) const

@@ -44,6 +44,7 @@ struct Embedding {
     std::optional<Grid> grid; // none: the whole output
     bool centre;              // localisers subtract a mean; here nothing is subtracted
     bool l2_normalise;        // the embedding only; never a tap
+    bool int8;                // experience files store it as codes
     std::string last_layer;   // output of the second embedding; "" = none
 };
 

@@ -117,6 +117,7 @@ void fill_info(OnnxBackbone &backbone, const Manifest &manifest, uint32_t max_pi
     copy_text(info.runtime, "onnxruntime " + backbone.runtime.version(), "the runtime's version");
     info.tap_count = static_cast<uint32_t>(backbone.taps.size());
     info.last_layer_dim = static_cast<uint32_t>(backbone.session.last_layer().size);
+    info.embedding_int8 = manifest.embedding.int8;
     info.input_width = manifest.input.width;
     info.input_height = manifest.input.height;
     info.decode_bytes = vdna_decoder_bytes_max(max_pixels);

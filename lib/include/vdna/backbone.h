@@ -61,7 +61,8 @@ typedef struct vdna_backbone_info {
     uint64_t decode_bytes;   /**< most memory that decoding a camera's picture of max_pixels takes
                                   after opening: MJPG, also progressive, or any raw format */
     uint32_t last_layer_dim; /**< numbers in the second embedding, of the last layer; 0 = none */
-    uint32_t reserved;       /**< 0 */
+    uint32_t embedding_int8; /**< 1 = experience files have embeddings as codes of vdna/int8.h, with
+                                a scale for each frame; 0 = as floats. A frame has floats always */
 } vdna_backbone_info;
 
 /** What one picture gave. All pointers are borrowed until the next call with this backbone. */

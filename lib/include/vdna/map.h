@@ -59,6 +59,11 @@ typedef struct vdna_experience {
                                         stored */
     const float *last_layer_scale; /**< [frames], of the codes: finite, >= 0; NULL = not stored */
     uint32_t last_layer_dim;       /**< >= 1; 0 = not stored */
+    uint32_t reserved;             /**< 0 */
+    const int8_t *embedding_codes; /**< [frames][dim], codes of vdna/int8.h that the file has in
+                                        place of `embeddings`, which a reader decodes into memory
+                                        of the experience; NULL = the file has floats */
+    const float *embedding_scale;  /**< [frames], of the codes: finite, >= 0; NULL = no codes */
 } vdna_experience;
 
 /** Open an experience file: map it, check every byte of it, point into it.
@@ -68,7 +73,8 @@ typedef struct vdna_experience {
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_experience  holds the file, to be ended with vdna_experience_close()
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT; VDNA_ERR_CHECKSUM;
- *          VDNA_ERR_UNSUPPORTED for a newer format version or a big-endian machine */
+ *          VDNA_ERR_UNSUPPORTED for a newer format version or a big-endian machine; VDNA_ERR_NOMEM
+ *          for embeddings to be decoded */
 VDNA_API vdna_status vdna_experience_open(const char *path, vdna_error *error,
                                           vdna_experience *out_experience);
 
