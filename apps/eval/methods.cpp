@@ -20,8 +20,7 @@ double visual_dna(const Comparison &c)
 
 double frechet(const Comparison &c)
 {
-    const std::vector<float> live = c.live.last_layer_embeddings(),
-                             map = c.map.last_layer_embeddings();
+    const std::vector<float> &live = c.live.last_layer_or_only(), &map = c.map.last_layer_or_only();
     const size_t dim = live.size() / c.live.frames;
     double distance = 0;
     require(vdna_frechet(&live[dim * c.begin], c.frames, map.data(), c.map.frames,

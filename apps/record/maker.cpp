@@ -2,7 +2,6 @@
 
 #include <cstring>
 
-#include <vdna/cpp/error.hpp>
 #include <vdna/int8.h>
 
 namespace vdna::record
@@ -25,16 +24,21 @@ void end_recording(Draft &draft, const Pass &pass)
     draft.recording.require_frames(draft.source);
 }
 
-void encode_embeddings(Draft &draft)
+// Of finite numbers, as a backbone gives them.
+Codes encoded(const std::vector<float> &values, size_t rows)
 {
-    const std::vector<float> &values = draft.recording.embeddings;
-    const size_t frames = draft.recording.frames, dim = values.size() / frames;
-    draft.embedding_codes.resize(values.size());
-    draft.embedding_scale.resize(frames);
-    for (size_t i = 0; i < frames; i++)
-        require(vdna_int8_encode(&values[dim * i], dim, &draft.embedding_codes[dim * i],
-                                 &draft.embedding_scale[i]),
-                draft.source);
+    const size_t dim = values.size() / rows;
+    Codes to{std::vector<int8_t>(values.size()), std::vector<float>(values.empty() ? 0 : rows)};
+    for (size_t i = 0; i < to.scales.size(); i++)
+        vdna_int8_encode(&values[dim * i], dim, &to.codes[dim * i], &to.scales[i]);
+    return to;
+}
+
+// The numbers as a file has them, NULL for those that it does not have.
+template <class Number>
+const Number *stored(const std::vector<Number> &numbers)
+{
+    return numbers.empty() ? nullptr : numbers.data();
 }
 
 } // namespace
@@ -53,9 +57,16 @@ void Maker::make(std::vector<Draft> &drafts, uint32_t range_rule)
         for (Draft &draft : drafts)
             record_and_count(draft);
     }
+    for (Draft &draft : drafts)
+        encode(draft);
+}
+
+void Maker::encode(Draft &draft) const
+{
+    const Recording &r = draft.recording;
     if (backbone_.info().embedding_int8 != 0)
-        for (Draft &draft : drafts)
-            encode_embeddings(draft);
+        draft.embedding = encoded(r.embeddings, r.frames);
+    draft.last_layer = encoded(r.last_layer, r.frames);
 }
 
 void Maker::record_and_count(Draft &draft)
@@ -129,16 +140,14 @@ vdna_experience Maker::experience_of(const Draft &draft) const
     e.counts = histogram->counts;
     e.mass = histogram->mass;
     e.embeddings = r.embeddings.data();
-    if (!draft.embedding_codes.empty()) {
-        e.embedding_codes = draft.embedding_codes.data();
-        e.embedding_scale = draft.embedding_scale.data();
-    }
-    e.last_layer = r.last_layer.empty() ? nullptr : r.last_layer.data();
-    e.last_layer_scale = r.last_layer.empty() ? nullptr : r.last_layer_scale.data();
-    e.last_layer_dim = r.last_layer_dim;
+    e.embedding_codes = stored(draft.embedding.codes);
+    e.embedding_scale = stored(draft.embedding.scales);
+    e.last_layer = stored(draft.last_layer.codes);
+    e.last_layer_scale = stored(draft.last_layer.scales);
+    e.last_layer_dim = backbone_.info().last_layer_dim;
     e.frame_utime = r.utime.data();
-    e.frame_place = r.place.empty() ? nullptr : r.place.data();
-    e.frame_position = r.position.empty() ? nullptr : r.position.data();
+    e.frame_place = stored(r.place);
+    e.frame_position = stored(r.position);
     e.frame_grey = r.grey.data();
     r.position_frame.copy(e.position_frame, sizeof e.position_frame - 1);
     r.account.order.copy(e.order, sizeof e.order - 1);

@@ -18,14 +18,20 @@
 namespace vdna::record
 {
 
+// Rows of numbers as codes of vdna/int8.h.
+struct Codes {
+    std::vector<int8_t> codes; // [frames][dim]; empty = none
+    std::vector<float> scales; // [frames]
+};
+
 // One experience: its source, and once it is made, the contents of its file.
 struct Draft {
     std::string source; // path, as for frames::Source
     std::string name;   // of the experience, passes vdna_name_check()
     Recording recording;
-    std::optional<Histogram> histogram;  // once the ranges are known
-    std::vector<int8_t> embedding_codes; // [frames][dim], or [0] if the file is to have floats
-    std::vector<float> embedding_scale;  // [frames] or [0]
+    std::optional<Histogram> histogram; // once the ranges are known
+    Codes embedding;                    // none if the file is to have floats
+    Codes last_layer;                   // none if the network gives no second embedding
 };
 
 class Maker
@@ -56,6 +62,7 @@ class Maker
     void calibrate(std::vector<Draft> &drafts, uint32_t range_rule);
     void count_stored(std::vector<Draft> &drafts) const;
     void count_again(Draft &draft);
+    void encode(Draft &draft) const;
 
     Backbone &backbone_;
     const frames::SourceOptions &options_;

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include <vdna/cpp/error.hpp>
-#include <vdna/int8.h>
 #include <vdna/map.h>
 
 namespace vdna::record
@@ -32,28 +31,8 @@ void Recording::add(const frames::Frame &frame, const vdna_backbone_frame &outpu
     add(frame.label, frame.name);
     grey.push_back(output.grey);
     embeddings.insert(embeddings.end(), output.embedding, output.embedding + output.dim);
-    if (output.last_layer)
-        add_last_layer(output);
-}
-
-void Recording::add_last_layer(const vdna_backbone_frame &output)
-{
-    last_layer_dim = output.last_layer_dim;
-    last_layer.resize(last_layer.size() + last_layer_dim);
-    last_layer_scale.push_back(0);
-    // The backbone gives finite numbers only.
-    vdna_int8_encode(output.last_layer, last_layer_dim,
-                     &last_layer[last_layer.size() - last_layer_dim], &last_layer_scale.back());
-}
-
-std::vector<float> Recording::last_layer_embeddings() const
-{
-    if (last_layer.empty())
-        return embeddings;
-    std::vector<float> decoded(last_layer.size());
-    for (size_t i = 0, at = 0; i < frames; i++, at += last_layer_dim)
-        vdna_int8_decode(&last_layer[at], last_layer_dim, last_layer_scale[i], &decoded[at]);
-    return decoded;
+    last_layer.insert(last_layer.end(), output.last_layer,
+                      output.last_layer + output.last_layer_dim);
 }
 
 void Recording::add(const frames::Label &label, const std::string &name)

@@ -15,23 +15,22 @@ namespace vdna::record
 // NaNs.
 struct Recording {
     uint32_t frames = 0;
-    frames::Account account;             // how they were ordered and timed, and what was left out
-    uint32_t without_truth = 0;          // frames without the ground truth that others have
-    std::string position_frame;          // of the positions; "" without
-    std::vector<uint64_t> index;         // [frames], in the source
-    std::vector<int64_t> utime;          // [frames], microseconds
-    std::vector<int64_t> place;          // [frames]
-    std::vector<double> position;        // [frames][3], metres
-    std::vector<float> grey;             // [frames], 0..255
-    std::vector<float> embeddings;       // [frames][dim]
-    std::vector<int8_t> last_layer;      // [frames][last_layer_dim], codes of vdna/int8.h; [0] if
-                                         // the network gives no second embedding
-    std::vector<float> last_layer_scale; // [frames] or [0]
-    uint32_t last_layer_dim = 0;         // 0 = none
+    frames::Account account;       // how they were ordered and timed, and what was left out
+    uint32_t without_truth = 0;    // frames without the ground truth that others have
+    std::string position_frame;    // of the positions; "" without
+    std::vector<uint64_t> index;   // [frames], in the source
+    std::vector<int64_t> utime;    // [frames], microseconds
+    std::vector<int64_t> place;    // [frames]
+    std::vector<double> position;  // [frames][3], metres
+    std::vector<float> grey;       // [frames], 0..255
+    std::vector<float> embeddings; // [frames][dim]
+    std::vector<float> last_layer; // [frames][its own size]; [0] if there is no second embedding
 
-    // The embeddings of the last layer, [frames][dim of it]: the second ones, decoded, or if there
-    // are none, the only ones.
-    std::vector<float> last_layer_embeddings() const;
+    // The embeddings of the last layer: the second ones, or if there are none, the only ones.
+    const std::vector<float> &last_layer_or_only() const
+    {
+        return last_layer.empty() ? embeddings : last_layer;
+    }
 
     // Append the current frame of `pass`.
     void add(const Pass &pass);
@@ -41,7 +40,6 @@ struct Recording {
     void add(const frames::Frame &frame, const vdna_backbone_frame &output);
 
   private:
-    void add_last_layer(const vdna_backbone_frame &output);
     // name: of the frame, for the error.
     void add(const frames::Label &label, const std::string &name);
 };

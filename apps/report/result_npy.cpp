@@ -50,7 +50,7 @@ class NpyFiles
             const record::Recording &r = t.recording;
             write_npy(path("embeddings_" + t.name), {r.frames, evaluation_.backbone.identity.dim},
                       r.embeddings);
-            const std::vector<float> last_layer = r.last_layer_embeddings();
+            const std::vector<float> &last_layer = r.last_layer_or_only();
             write_npy(path("last_layer_" + t.name), {r.frames, last_layer.size() / r.frames},
                       last_layer);
             write_npy(path("grey_" + t.name), {r.frames}, r.grey);
