@@ -354,6 +354,16 @@ static void a_second_embedding_is_kept_since_version_3(void **state)
     assert_non_null(strstr((const char *)e.file_bytes + 8, "\"format_version\":\"3\""));
     vdna_experience_close(&e);
 
+    /* It alone is enough, and a definition without it. */
+    vdna_experience either = grid;
+    either.identity.embedding[0] = '\0';
+    load(&f, either);
+    assert_non_null(strstr((const char *)f.bytes + 8, "\"format_version\":\"3\""));
+    either = sample_experience();
+    strcpy(either.identity.embedding, "mid grid=1x5");
+    load(&f, either);
+    assert_non_null(strstr((const char *)f.bytes + 8, "\"format_version\":\"3\""));
+
     /* Without either it is an older file, and says nothing of it. */
     assert_int_equal(vdna_experience_open(path_in(&f.directory, "sample"), NULL, &e), VDNA_OK);
     assert_string_equal(e.identity.embedding, "");
@@ -408,6 +418,8 @@ static void codes_that_break_a_rule_are_refused(void **state)
         {"\"frame_embedding_scale\":", "\"acme_embedding_scale\":",
          "frame_embedding_scale is missing"},
         {"mid grid", "mid\\tgrid", "embedding has a character"},
+        {"mid grid=1x5", "mid grid=" SAMPLE_SHA256 SAMPLE_SHA256 SAMPLE_SHA256 SAMPLE_SHA256,
+         "embedding in __metadata__ is too long, expected at most 255 bytes"},
         {"mid grid=1x5 last=top centred", "mid grid=1x5 last=top", "comparable is not"},
     };
     const float nan = NAN, infinity = INFINITY, negative = -1, huge = 3e38f;
@@ -457,6 +469,8 @@ static void metadata_that_breaks_a_rule_is_refused(void **state)
         {"\"preprocessing\":", "\"pre\":", "preprocessing in __metadata__ is missing"},
         {"\"taps\":", "\"tap\":", "taps in __metadata__ is missing"},
         {"\"comparable\":", "\"same\":", "comparable in __metadata__ is missing"},
+        {"\"taps\":", "\"precision\":\"0123456789abcdef\",\"taps\":",
+         "precision in __metadata__ is too long"},
         {"winter", "", "name is empty"},
         {"\"local\"", "\"my site\"", "position_frame has a character"},
         {"\"local\"", "\"" SAMPLE_SHA256 "\"", "position_frame in __metadata__ is too long"},
