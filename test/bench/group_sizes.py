@@ -45,6 +45,7 @@ def write(path, neurons, bins, frames, dim):
 
 def selector_bytes(experiences):
     """The library's statement of the memory of a selector among them."""
+    from ctypes import sizeof
     from libvdna._library import SelectCandidate, SelectConfig, lib
     candidates = (SelectCandidate * len(experiences))()
     for experience, candidate in zip(experiences, candidates):
@@ -52,7 +53,7 @@ def selector_bytes(experiences):
         candidate.embeddings = experience.embeddings.ctypes.data
         candidate.frames = len(experience.embeddings)
     config = SelectConfig()
-    lib.vdna_select_config_init(config)
+    lib.vdna_select_config_init_sized(config, sizeof(config))
     config.candidates, config.candidate_count = candidates, len(candidates)
     config.dim, config.warmup_frames = experiences[0].dim, 1
     return lib.vdna_select_mem_size(config)
