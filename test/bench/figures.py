@@ -68,6 +68,10 @@ FIGURES = [
           ("against the package", "vdna package", 20))],
     *[("core", f"nearest {shape}", "against faiss IndexFlatL2", speedup("faiss IndexFlatL2"), ">=",
        1, "x") for shape in ("1150x128", "1150x768", "100000x768")],
+    *[("localise", f"localise {shape}", "against faiss IndexFlatL2", speedup("faiss IndexFlatL2"),
+       ">=", 0.77, "x") for shape in ("1150x1008", "100000x64")],
+    *[("localise", f"localise 1150x{dim}", "of an inference", further("of_an_inference_percent"), "<=",
+       1, "%") for dim in (64, 1008)],
     *[("core", f"Frechet 768, 100 and {frames} frames", what, number, sign, bound, unit)
       for frames in (100, 1150)
       for what, number, sign, bound, unit in (

@@ -1,5 +1,7 @@
 """Growth of the memory of a selector and of its map with the experiences and their sizes. Machines
 differ only in their page size, to which a map is rounded."""
+import ctypes
+
 import numpy as np
 
 from group_core import random_dna
@@ -45,7 +47,6 @@ def write(path, neurons, bins, frames, dim):
 
 def selector_bytes(experiences):
     """The library's statement of the memory of a selector among them."""
-    from ctypes import sizeof
     from libvdna._library import SelectCandidate, SelectConfig, lib
     candidates = (SelectCandidate * len(experiences))()
     for experience, candidate in zip(experiences, candidates):
@@ -53,7 +54,7 @@ def selector_bytes(experiences):
         candidate.embeddings = experience.embeddings.ctypes.data
         candidate.frames = len(experience.embeddings)
     config = SelectConfig()
-    lib.vdna_select_config_init_sized(config, sizeof(config))
+    lib.vdna_select_config_init_sized(config, ctypes.sizeof(config))
     config.candidates, config.candidate_count = candidates, len(candidates)
     config.dim, config.warmup_frames = experiences[0].dim, 1
     return lib.vdna_select_mem_size(config)

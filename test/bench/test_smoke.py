@@ -97,14 +97,16 @@ class Bench(unittest.TestCase):
             self.assertIn("<svg", (self.folder / f"{name}.svg").read_text())
 
     def test_the_core_is_measured_and_kept_with_its_circumstances(self):
-        stored = self.measured("core", "files", "growth", "sizes")
-        self.assertEqual(list(stored["groups"]), ["core", "files", "growth", "sizes"])
+        stored = self.measured("core", "localise", "files", "growth", "sizes")
+        self.assertEqual(list(stored["groups"]), ["core", "localise", "files", "growth", "sizes"])
         self.assertGreaterEqual(stored["machine"]["cores"], 1)
         for group in stored["groups"].values():
             self.check_group(group)
         names = [result["name"] for result in stored["groups"]["core"]["results"]]
         self.assertIn("histogram 16x3", names)
         self.assertIn("EMD 16 neurons, K=2", names)
+        [localise] = stored["groups"]["localise"]["results"]
+        self.assertEqual(localise["name"], "localise 50x8")
         write_pages(stored, self.folder)
         performance, memory = self.page("performance"), self.page("memory")
         self.assertIn("| histogram 16x3 |", performance)

@@ -307,10 +307,13 @@ class Waiting(WithConfiguration):
                 stack.enter_context(sender)
             watch.wait_for("status", lambda status: words in status["message"], 10)
             watch.collect(2.5)
-            self.assertIn(words, watch.of("status")[-1]["message"])
+            # On a busy machine a second may pass without a frame, and so without a verdict.
+            said = [status["message"] for status in watch.of("status")[-3:]
+                    if words in status["message"]]
+            self.assertTrue(said, watch.of("status")[-3:])
             self.assertTrue(daemon.is_running())
         self.assertEqual(len([line for line in daemon.log if words in line]), 1, daemon.log)
-        return watch.of("status")[-1]["message"]
+        return said[-1]
 
     def test_nothing_at_all(self):
         said = self.assert_said("nor on any other channel", [])
@@ -352,7 +355,7 @@ class Waiting(WithConfiguration):
 
     def test_a_warmup_that_begins_anew_with_every_other_frame(self):
         picture = first_picture()
-        self.assert_said("the warmup began anew",
+        self.assert_said("the warmup began anew ",
                          [Sender("CAMERA", lambda n: image_message(n % 2 * 10**7 - n * 2 * 10**6, picture))])
 
     def test_camera_time_that_stands_still(self):

@@ -55,6 +55,48 @@ static void print_core(void)
     FIELD(vdna_knn_match, reserved);
 }
 
+static void print_localise(void)
+{
+    STRUCT(vdna_localise_map_config);
+    FIELD(vdna_localise_map_config, struct_size);
+    FIELD(vdna_localise_map_config, frames);
+    FIELD(vdna_localise_map_config, dim);
+    FIELD(vdna_localise_map_config, centred);
+    FIELD(vdna_localise_map_config, embeddings);
+
+    STRUCT(vdna_gear);
+    FIELD(vdna_gear, first);
+    FIELD(vdna_gear, reserved);
+    FIELD(vdna_gear, share);
+
+    STRUCT(vdna_localise_config);
+    FIELD(vdna_localise_config, struct_size);
+    FIELD(vdna_localise_config, tolerance);
+    FIELD(vdna_localise_config, map);
+    FIELD(vdna_localise_config, place);
+    FIELD(vdna_localise_config, gears);
+    FIELD(vdna_localise_config, gear_count);
+    FIELD(vdna_localise_config, mean_frames);
+    FIELD(vdna_localise_config, mean_frames_max);
+    FIELD(vdna_localise_config, reserved);
+    FIELD(vdna_localise_config, gate);
+    FIELD(vdna_localise_config, sharpness);
+    FIELD(vdna_localise_config, clutter);
+    FIELD(vdna_localise_config, jump);
+    FIELD(vdna_localise_config, gear_change);
+    FIELD(vdna_localise_config, evidence_share);
+    FIELD(vdna_localise_config, confidence);
+
+    STRUCT(vdna_localise_answer);
+    FIELD(vdna_localise_answer, frame);
+    FIELD(vdna_localise_answer, nearest);
+    FIELD(vdna_localise_answer, moving);
+    FIELD(vdna_localise_answer, reserved);
+    FIELD(vdna_localise_answer, confidence);
+    FIELD(vdna_localise_answer, mass);
+    FIELD(vdna_localise_answer, nearest_distance);
+}
+
 static void print_select(void)
 {
     STRUCT(vdna_select_candidate);
@@ -178,6 +220,7 @@ static void print_backbone(void)
 int main(void)
 {
     print_core();
+    print_localise();
     print_select();
     print_map();
     print_backbone();

@@ -1,6 +1,6 @@
-/* portable THREADS: do everything that the core and the selector do on made-up frames, and the
- * checksum of experience files, and print the results to the last bit, for portable.py to compare
- * between machines and with its own.
+/* portable THREADS: do everything that the core, the selector and the localiser do on made-up
+ * frames, and the checksum of experience files, and print the results to the last bit, for
+ * portable.py to compare between machines and with its own.
  *
  * All values are small integers times powers of two, so making them rounds nothing. Numbers are
  * printed by value, so the order of bytes in memory does not show. */
@@ -443,6 +443,49 @@ static void find_neighbours(void)
         printf("same %" PRIu32 " %016" PRIx64 "\n", match[i].index, bits_of(match[i].distance_sq));
 }
 
+/* ---- Localisation: exp, log and sqrt round, and must round alike ---- */
+
+static void localise(uint32_t centred)
+{
+    enum { DIM = 23, MAP = 70, STEPS = 30 };
+    static float embeddings[MAP][DIM];
+    random_state = 5;
+    for (int i = 0; i < MAP; i++)
+        for (int k = 0; k < DIM; k++) /* like the frame before, mostly */
+            embeddings[i][k] = scaled((int32_t)random_below(2000) - 1000, k % 9 - 6) +
+                               (i > 0 ? embeddings[i - 1][k] / 2 : 0);
+    vdna_localise_map_config map_config;
+    vdna_localise_map_config_init(&map_config);
+    map_config.frames = MAP;
+    map_config.dim = DIM;
+    map_config.centred = centred;
+    map_config.embeddings = embeddings[0];
+    size_t size = vdna_localise_map_mem_size(&map_config);
+    vdna_localise_map *prepared;
+    OK(vdna_localise_map_init(&map_config, block(size), size, &prepared));
+    printf("same step %016" PRIx64 "\n", bits_of(vdna_localise_map_step(prepared)));
+
+    vdna_localise_config config;
+    vdna_localise_config_init(&config);
+    config.map = prepared;
+    config.tolerance = 2;
+    size = vdna_localise_mem_size(&config);
+    vdna_localise *localiser;
+    OK(vdna_localise_init(&config, block(size), size, &localiser));
+    for (int t = 0; t < STEPS; t++) {
+        float live[DIM];
+        for (int k = 0; k < DIM; k++)
+            live[k] = embeddings[2 * t][k] + scaled((int32_t)random_below(2000) - 1000, k % 9 - 7);
+        vdna_localise_answer answer;
+        OK(vdna_localise_feed(localiser, live, &answer));
+        printf("same %" PRIu32 " %" PRIu32 " %016" PRIx64 " %016" PRIx64 " %016" PRIx64 "\n",
+               answer.frame, answer.nearest, bits_of(answer.confidence), bits_of(answer.mass),
+               bits_of(answer.nearest_distance));
+    }
+    free(localiser);
+    free(prepared);
+}
+
 /* ---- Sizes that a size_t of 32 bits cannot say ---- */
 
 static void refuse_what_cannot_be_addressed(void)
@@ -491,6 +534,8 @@ int main(int argc, char **argv)
     meet_the_bound();
     checksum();
     find_neighbours();
+    localise(1);
+    localise(0);
     refuse_what_cannot_be_addressed();
     return 0;
 }

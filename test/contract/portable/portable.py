@@ -301,7 +301,8 @@ def output_of(build, folder):
         return None
     name = "_".join([build.compiler] + build.flags).replace("=", "_")
     sources = [ROOT / "test/contract/portable/portable.c", *sorted(ROOT.glob("lib/core/*.c")),
-               *sorted(ROOT.glob("lib/select/*.c")), *sorted(ROOT.glob("lib/map/crc32c*.c"))]
+               *sorted(ROOT.glob("lib/localise/*.c")), *sorted(ROOT.glob("lib/select/*.c")),
+               *sorted(ROOT.glob("lib/map/crc32c*.c"))]
     program = os.path.join(folder, name)
     subprocess.run([build.compiler, *FLAGS, *build.flags, f"-I{ROOT}/lib/include",
                     f"-I{ROOT}/lib/core", f"-I{ROOT}/lib/map", "-o", program, *map(str, sources)], check=True)
@@ -327,7 +328,8 @@ def main():
     if not ran:
         print("skipped: no gcc, no clang-19; ./dev test --all installs them")
         sys.exit(77)
-    # Squared distances that round have no second implementation here: all must equal the first.
+    # Squared distances and localisation round and have no second implementation here: all must equal
+    # the first.
     wanted += [line for line in ran[0][0] if line.startswith("same ")]
 
     failed = 0

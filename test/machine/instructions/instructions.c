@@ -7,6 +7,7 @@
 #include <vdna/emd.h>
 #include <vdna/hist.h>
 #include <vdna/knn.h>
+#include <vdna/localise.h>
 #include <vdna/rank.h>
 
 #include "count.h"
@@ -79,6 +80,8 @@ static vdna_hist_view views[1 + CANDIDATES];
 static int64_t scratch[4 * NEURONS];
 static vdna_rank_entry ranking[CANDIDATES];
 static float map[ROWS * DIM], query[DIM];
+static int64_t map_block[ROWS * DIM / 4 + 1024], localise_block[ROWS * 8];
+static vdna_localise *localiser;
 static uint16_t slots[SAMPLES * NEURONS];
 static vdna_activations tap = {activations, NEURONS, SAMPLES, VDNA_LAYOUT_SAMPLES_NEURONS};
 
@@ -170,6 +173,29 @@ static void prepare_rank(enum data data)
     make_hists(data, 1 + CANDIDATES);
 }
 
+// A localiser whose next frame, elsewhere than the one before, is a step of the filter in full.
+static void prepare_localise(enum data data)
+{
+    make_map(data);
+    vdna_localise_map_config map_config;
+    vdna_localise_map_config_init(&map_config);
+    map_config.frames = ROWS;
+    map_config.dim = DIM;
+    map_config.embeddings = map;
+    vdna_localise_map *prepared;
+    if (vdna_localise_map_init(&map_config, map_block, sizeof map_block, &prepared) != VDNA_OK)
+        abort();
+    vdna_localise_config config;
+    vdna_localise_config_init(&config);
+    config.map = prepared;
+    config.tolerance = 5;
+    vdna_localise_answer answer;
+    if (vdna_localise_init(&config, localise_block, sizeof localise_block, &localiser) != VDNA_OK ||
+        vdna_localise_feed(localiser, query, &answer) != VDNA_OK)
+        abort();
+    query[0] += 100;
+}
+
 static vdna_status run_hist_add(void)
 {
     return vdna_hist_add(&hists[0], &tap, 1);
@@ -204,6 +230,12 @@ static vdna_status run_knn(void)
     return vdna_knn(query, DIM, map, ROWS, 1, &match);
 }
 
+static vdna_status run_localise(void)
+{
+    vdna_localise_answer answer;
+    return vdna_localise_feed(localiser, query, &answer);
+}
+
 static const struct {
     const char *name;
     void (*prepare)(enum data data);
@@ -217,6 +249,7 @@ static const struct {
     {"emd_wide", prepare_emd_wide, run_emd},
     {"rank", prepare_rank, run_rank},
     {"knn", make_map, run_knn},
+    {"localise", prepare_localise, run_localise},
 };
 
 __attribute__((noipa)) vdna_status measured(vdna_status (*run)(void));

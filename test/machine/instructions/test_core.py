@@ -7,7 +7,8 @@ The core is compiled here, with fixed flags for any x86-64, so that the counts d
 compiler alone. With a compiler other than the baseline's, only the independence of the data is
 checked, which holds with any.
 
-VDNA_CORE is the folder of the core's sources, VDNA_INCLUDE that of the public headers.
+VDNA_CORE is the folder of the core's sources, VDNA_LOCALISE that of lib/localise, VDNA_INCLUDE that
+of the public headers.
 """
 import glob
 import json
@@ -22,6 +23,7 @@ import tempfile
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
 CORE = os.environ.get("VDNA_CORE", os.path.join(ROOT, "lib", "core"))
+LOCALISE = os.environ.get("VDNA_LOCALISE", os.path.join(ROOT, "lib", "localise"))
 INCLUDE = os.environ.get("VDNA_INCLUDE", os.path.join(ROOT, "lib", "include"))
 BASELINE = os.path.join(HERE, "baseline.json")
 # The last one, as for proofs, leaves out the versions of loops that the loader chooses by the
@@ -36,6 +38,7 @@ THINGS = {
     "emd_wide": "sums of 64 bits (add_row)",
     "rank": "16 distances",
     "knn": "the nearest of 1150 embeddings",
+    "localise": "a frame among 1150 map frames, with a step of the filter",
 }
 KINDS = ["random", "constant", "sorted", "extreme"]
 DRIFT_MAX = 0.01      # from the baseline
@@ -54,7 +57,8 @@ def build(folder):
                     "-fno-tree-loop-distribute-patterns", "-c",
                     os.path.join(HERE, "instructions.c"), "-o", program + ".o"], check=True)
     subprocess.run(["gcc", *FLAGS, "-I", INCLUDE, program + ".o",
-                    *sorted(glob.glob(os.path.join(CORE, "*.c"))), "-o", program], check=True)
+                    "-I", CORE, *sorted(glob.glob(os.path.join(CORE, "*.c"))),
+                    *sorted(glob.glob(os.path.join(LOCALISE, "*.c"))), "-o", program], check=True)
     return program
 
 

@@ -29,13 +29,18 @@ Written by `cmake --build build --target memory_core` from measurements; the tes
 RAM = """\
 ## RAM
 
-`lib/core` and `lib/select` have no variables and allocate nothing. These are the blocks that the
-caller provides, as the `vdna_..._size()` functions give them on a 64-bit machine. A selector
-holds the live histogram and the working memory of the distance; it is for four experiences here,
+`lib/core`, `lib/localise` and `lib/select` have no variables and allocate nothing. These are the
+blocks that the caller provides, as the `vdna_..._size()` functions give them on a 64-bit machine. A
+selector holds the live histogram and the working memory of the distance; it is for four experiences here,
 and each further one takes {further}. The experiences themselves stay in their files, which are
 mapped; each has counts of a histogram's size.
 
 {table}
+
+To localise, the frames of the chosen experience are prepared once, and a localiser follows the robot in
+them.
+
+{localise}
 """
 
 COMPILED = """\
@@ -49,8 +54,8 @@ frame of variable size and no call through a pointer.
 
 ## Code
 
-`lib/core` and `lib/select` with their constants. What libgcc adds for arithmetic that a processor
-lacks is counted apart.
+`lib/core`, `lib/localise` and `lib/select` with their constants. What libgcc adds for arithmetic that
+a processor lacks is counted apart.
 
 {code}
 """
@@ -65,10 +70,12 @@ def table(head, rows):
 
 def ram_part(program):
     output = subprocess.run([program], capture_output=True, text=True, check=True).stdout
-    rows = [tuple(map(int, line.split())) for line in output.splitlines()[1:]]
-    further = output.splitlines()[0]
+    further, *lines = output.splitlines()
+    rows = [tuple(map(int, line.split())) for line in lines]
     head = ["neurons", "bins", "histogram", "working memory of the distance", "selector"]
-    return RAM.format(further=further, table=table(head, rows))
+    localise_head = ["map frames", "dim", "prepared frames", "localiser"]
+    return RAM.format(further=further, table=table(head, [row for row in rows if len(row) == 5]),
+                      localise=table(localise_head, [row for row in rows if len(row) == 4]))
 
 
 def stacks(machine, folder, objects):

@@ -1,7 +1,9 @@
 /* Prints the memory that the library asks of its caller: first the bytes that one more experience
  * adds to a selector; then, a configuration a line, neurons, bins, and the bytes of a histogram, of
- * the distance's working memory, and of a selector among CANDIDATES experiences. */
+ * the distance's working memory, and of a selector among CANDIDATES experiences; then frames, dim,
+ * and the bytes of a prepared experience and of a localiser in it. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <vdna/vdna.h>
@@ -41,6 +43,37 @@ static size_t select_size(uint32_t neurons, uint32_t bins, uint32_t count)
     return vdna_select_mem_size(&config);
 }
 
+static size_t localise_map_size(uint32_t frames, uint32_t dim)
+{
+    vdna_localise_map_config config;
+    vdna_localise_map_config_init(&config);
+    config.frames = frames;
+    config.dim = dim;
+    return vdna_localise_map_mem_size(&config);
+}
+
+static size_t localise_size(uint32_t frames, uint32_t dim)
+{
+    const size_t size = localise_map_size(frames, dim);
+    vdna_localise_map_config map;
+    vdna_localise_map_config_init(&map);
+    map.frames = frames;
+    map.dim = dim;
+    float *embeddings = calloc((size_t)frames * dim, sizeof *embeddings);
+    map.embeddings = embeddings;
+    void *mem = malloc(size);
+    vdna_localise_config config;
+    vdna_localise_config_init(&config);
+    vdna_localise_map *prepared;
+    if (!embeddings || !mem || vdna_localise_map_init(&map, mem, size, &prepared) != VDNA_OK)
+        abort();
+    config.map = prepared;
+    const size_t found = vdna_localise_mem_size(&config);
+    free(mem);
+    free(embeddings);
+    return found;
+}
+
 int main(void)
 {
     static const struct {
@@ -52,5 +85,12 @@ int main(void)
                hist_size(shapes[i].neurons, shapes[i].bins),
                vdna_emd_scratch_size(shapes[i].neurons),
                select_size(shapes[i].neurons, shapes[i].bins, CANDIDATES));
+    static const struct {
+        uint32_t frames, dim;
+    } maps[] = {{100, 64}, {1150, 64}, {1150, 1008}, {100000, 64}};
+    for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
+        printf("%u %u %zu %zu\n", (unsigned)maps[i].frames, (unsigned)maps[i].dim,
+               localise_map_size(maps[i].frames, maps[i].dim),
+               localise_size(maps[i].frames, maps[i].dim));
     return 0;
 }

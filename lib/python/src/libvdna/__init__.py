@@ -1,7 +1,7 @@
 """Which recorded experience should a robot localise against now?
 
 The C library libvdna for NumPy: activation histograms ("Visual DNA"), the exact Earth Mover's
-Distance, ranking, nearest neighbours, the selector, experience files, what makes two of them
+Distance, ranking, nearest neighbours, the selector, the localiser, experience files, what makes two of them
 comparable, and the networks of the robot.
 
 Memory. Arrays go in without a copy when they have the stated dtype and are C-contiguous, and are
@@ -25,6 +25,7 @@ from .distance import RankEntry, emd, emd_mean, rank
 from .experience import PLACE_NONE, Experience, open_map
 from .histogram import Histogram, HistogramView
 from .identity import Identity, TapShape, clean_name, format_taps, parse_taps
+from .localiser import Gear, Localiser, Place
 from .neighbours import Neighbours, nearest
 from .ranges import Ranges
 from .reference import ReferenceVdna
@@ -40,13 +41,16 @@ __all__ = [
     "Candidate",
     "Experience",
     "FeatureMap",
+    "Gear",
     "Histogram",
     "HistogramView",
     "Identity",
+    "Localiser",
     "Match",
     "NamedTap",
     "Neighbours",
     "PLACE_NONE",
+    "Place",
     "RankEntry",
     "Ranges",
     "ReferenceVdna",

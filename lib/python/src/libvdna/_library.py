@@ -95,6 +95,53 @@ class KnnMatch(Structure):
     _fields_ = [("distance_sq", c_double), ("index", c_uint32), ("reserved", c_uint32)]
 
 
+class LocaliseMapConfig(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("frames", c_uint32),
+        ("dim", c_uint32),
+        ("centred", c_uint32),
+        ("embeddings", c_void_p),
+    ]
+
+
+class GearFields(Structure):
+    _fields_ = [("first", c_int32), ("reserved", c_uint32), ("share", c_double * 6)]
+
+
+class LocaliseConfig(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("tolerance", c_uint32),
+        ("map", c_void_p),
+        ("place", POINTER(c_int64)),
+        ("gears", POINTER(GearFields)),
+        ("gear_count", c_uint32),
+        ("mean_frames", c_uint32),
+        ("mean_frames_max", c_uint32),
+        ("reserved", c_uint32),
+        ("gate", c_double),
+        ("sharpness", c_double),
+        ("clutter", c_double),
+        ("jump", c_double),
+        ("gear_change", c_double),
+        ("evidence_share", c_double),
+        ("confidence", c_double * 3),
+    ]
+
+
+class LocaliseAnswer(Structure):
+    _fields_ = [
+        ("frame", c_uint32),
+        ("nearest", c_uint32),
+        ("moving", c_uint32),
+        ("reserved", c_uint32),
+        ("confidence", c_double),
+        ("mass", c_double),
+        ("nearest_distance", c_double),
+    ]
+
+
 class SelectCandidate(Structure):
     _fields_ = [
         ("dna", HistView),
@@ -292,6 +339,11 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
             POINTER(RankPlace),
         ),
         "vdna_knn": (address, c_uint32, address, c_uint32, c_uint32, address),
+        "vdna_localise_map_init": (POINTER(LocaliseMapConfig), address, size, POINTER(c_void_p)),
+        "vdna_localise_init": (POINTER(LocaliseConfig), address, size, POINTER(c_void_p)),
+        "vdna_localise_warm_up": (address, address),
+        "vdna_localise_feed": (address, address, POINTER(LocaliseAnswer)),
+        "vdna_localise_feed_distances": (address, address, POINTER(LocaliseAnswer)),
         "vdna_select_init": (POINTER(SelectConfig), address, size, POINTER(c_void_p)),
         "vdna_select_feed": (address, POINTER(SelectFrame), POINTER(SelectAnswer)),
         "vdna_identity_check": (POINTER(IdentityFields), POINTER(Error)),
@@ -328,6 +380,16 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_hist_reset": (None, (POINTER(Hist),)),
         "vdna_hist_view_of": (None, (POINTER(Hist), POINTER(HistView))),
         "vdna_emd_scratch_size": (size, (c_uint32,)),
+        "vdna_localise_map_config_init": (None, (POINTER(LocaliseMapConfig),)),
+        "vdna_localise_map_mem_size": (size, (POINTER(LocaliseMapConfig),)),
+        "vdna_localise_map_step": (c_double, (address,)),
+        "vdna_localise_config_init": (None, (POINTER(LocaliseConfig),)),
+        "vdna_localise_mem_size": (size, (POINTER(LocaliseConfig),)),
+        "vdna_localise_reset": (None, (address,)),
+        "vdna_localise_distances": (address, (address,)),
+        "vdna_localise_posterior": (None, (address, address)),
+        "vdna_localise_mean": (address, (address,)),
+        "vdna_localise_evidence": (c_double, (address,)),
         "vdna_select_config_init_sized": (None, (POINTER(SelectConfig), size)),
         "vdna_select_mem_size": (size, (POINTER(SelectConfig),)),
         "vdna_select_reset": (None, (address,)),

@@ -1,0 +1,62 @@
+"""A frame of the localiser, the step of its filter included, beside a search for the nearest row alone.
+
+Every function yields (name, unit, units in a second, result of compare(), more numbers)."""
+import ctypes
+import statistics
+
+import numpy as np
+
+from group_core import scaled, searcher
+from measure import LEAST_ROUNDS, compare
+
+NETWORK = "efficientnet_lite0"
+LIVE = 8  # frames that take turns, so that the robot always moves
+
+
+def run(context):
+    """All of the group."""
+    inference = inference_seconds(context)
+    for rows, dim in [(50, 8)] if context.tiny else [(1150, 64), (1150, 1008), (100000, 64),
+                                                     (100000, 1008)]:
+        if rows * dim < 1e8 or not context.quick:
+            yield localise(context, rows, dim, inference if rows <= 1150 else None)
+
+
+def inference_seconds(context):
+    """Median of the default network's inferences, or None without networks."""
+    if not context.library.has_backbone:
+        return None
+    jpeg = context.scene.pictures(3)[0].read_bytes()
+    backbone = context.library.open_backbone(context.scene.manifest(NETWORK), 2)
+    rounds = LEAST_ROUNDS if context.tiny else 60
+    took = [backbone.run(jpeg)[2] / 1e6 for _ in range(rounds)]
+    backbone.close()
+    return statistics.median(took)
+
+
+def localise(context, rows, dim, inference):
+    """Localise frames of a drive among random rows."""
+    from libvdna import Localiser
+    from libvdna._library import KnnMatch, LocaliseAnswer, lib
+    random = np.random.default_rng(1)
+    frames = random.normal(size=(rows, dim)).astype(np.float32)
+    live = random.normal(size=(LIVE, dim)).astype(np.float32)
+    localiser, answer = Localiser(frames, tolerance=5), LocaliseAnswer()
+    addresses = [frame.ctypes.data for frame in live]
+    handle, out = localiser._localise, ctypes.byref(answer)
+
+    def ours():
+        for address in addresses:
+            lib.vdna_localise_feed(handle, address, out)
+
+    match = np.empty(1, np.dtype(KnnMatch))
+    nearest = addresses[0], dim, frames.ctypes.data, rows, 1, match.ctypes.data
+    peers = {"vdna_knn, the nearest alone": lambda: [lib.vdna_knn(*nearest) for _ in live]}
+    if context.peers.faiss:
+        index = context.peers.faiss.IndexFlatL2(dim)
+        index.add(frames)
+        search = searcher(context.peers.faiss, index, live[0])
+        peers["faiss IndexFlatL2"] = lambda: [search() for _ in live]
+    timed = scaled(compare(ours, peers, context.seconds), LIVE)
+    more = {"of_an_inference_percent": 100 * timed["median"] / inference} if inference else {}
+    return f"localise {rows}x{dim}", "us", 1e6, timed, more
