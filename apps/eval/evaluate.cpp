@@ -187,11 +187,8 @@ class Run
             const size_t cell = cell_of(pair.reference);
             result_.recall[cell] = pair.outcome.recall[0];
             compare_neurons(query, live.dna, maps[i], pair);
-            const Comparison comparison = {traversals_[query.traversal].recording,
-                                           live.begin,
-                                           live.frames,
-                                           traversals_[pair.reference].recording,
-                                           frames_.backbone().identity.dim,
+            const Comparison comparison = {traversals_[query.traversal].recording, live.begin,
+                                           live.frames, traversals_[pair.reference].recording,
                                            mean_of(pair.neuron_emd_bins)};
             for (const Method &of : methods)
                 if (of.distance)

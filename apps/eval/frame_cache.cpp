@@ -16,6 +16,8 @@ std::string packed_frame(const vdna_backbone_frame &frame)
     pack(bytes, &frame.grey, 1);
     pack(bytes, &frame.dim, 1);
     pack(bytes, frame.embedding, frame.dim);
+    pack(bytes, &frame.last_layer_dim, 1);
+    pack(bytes, frame.last_layer, frame.last_layer_dim);
     return bytes;
 }
 
@@ -41,14 +43,16 @@ vdna_backbone_frame CachedFrame::view() const
     vdna_backbone_frame frame{};
     frame.embedding = embedding.data();
     frame.dim = static_cast<uint32_t>(embedding.size());
+    frame.last_layer = last_layer.empty() ? nullptr : last_layer.data();
+    frame.last_layer_dim = static_cast<uint32_t>(last_layer.size());
     frame.grey = grey;
     return frame;
 }
 
 FrameCache::FrameCache(const Cache &cache, const vdna_backbone_info &backbone)
-    : cache_(cache), network_(std::string("frame 3\n") + backbone.identity.model_sha256 + "\n" +
+    : cache_(cache), network_(std::string("frame 4\n") + backbone.identity.model_sha256 + "\n" +
                               backbone.identity.preprocessing + "\n" + backbone.identity.taps +
-                              "\n" + backbone.runtime + "\n")
+                              "\n" + backbone.identity.embedding + "\n" + backbone.runtime + "\n")
 {
 }
 
@@ -65,9 +69,10 @@ std::optional<CachedFrame> FrameCache::find(const std::string &key) const
         return {};
     Unpacker unpacker(*bytes);
     CachedFrame frame;
-    uint32_t dim = 0;
+    uint32_t dim = 0, last_layer_dim = 0;
     if (!unpacker.take(&frame.grey, 1) || !unpacker.take(&dim, 1) ||
-        !unpacker.take(frame.embedding, dim) || !unpacker.at_end())
+        !unpacker.take(frame.embedding, dim) || !unpacker.take(&last_layer_dim, 1) ||
+        !unpacker.take(frame.last_layer, last_layer_dim) || !unpacker.at_end())
         return {};
     return frame;
 }

@@ -16,6 +16,7 @@ namespace vdna::eval
 struct CachedFrame {
     float grey = 0; // 0..255
     std::vector<float> embedding;
+    std::vector<float> last_layer; // empty if the network gives none
 
     vdna_backbone_frame view() const; // borrowed, without taps
 };

@@ -20,9 +20,11 @@ double visual_dna(const Comparison &c)
 
 double frechet(const Comparison &c)
 {
+    const std::vector<float> &live = c.live.last_layer_or_only(), &map = c.map.last_layer_or_only();
+    const size_t dim = live.size() / c.live.frames;
     double distance = 0;
-    require(vdna_frechet(&c.live.embeddings[size_t{c.dim} * c.begin], c.frames,
-                         c.map.embeddings.data(), c.map.frames, c.dim, &distance),
+    require(vdna_frechet(&live[dim * c.begin], c.frames, map.data(), c.map.frames,
+                         static_cast<uint32_t>(dim), &distance),
             "Frechet distance");
     return distance;
 }

@@ -14,7 +14,6 @@ struct Comparison {
     const record::Recording &live;
     uint32_t begin, frames; // of the warmup, in `live`
     const record::Recording &map;
-    uint32_t dim;         // of the embeddings
     double distance_bins; // of the Visual DNAs
 };
 

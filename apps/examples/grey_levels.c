@@ -32,8 +32,11 @@ static void stop(void *state)
 
 static void describe(const void *state, vdna_backbone_info *info)
 {
-    info->identity =
-        (vdna_identity){"grey_levels", "", "none", "", "levels:16:1", LEVELS, LEVELS, 0, NULL};
+    info->identity = (vdna_identity){.backbone = "grey_levels",
+                                     .preprocessing = "none",
+                                     .taps = "levels:16:1",
+                                     .neurons = LEVELS,
+                                     .dim = LEVELS};
     memset(info->identity.model_sha256, '1', 64); /* another one whenever its numbers change */
     info->tap_count = 1;
     info->decode_bytes = ((const network *)state)->decode_bytes;
@@ -55,7 +58,8 @@ static vdna_status run(void *state, const vdna_image *image, vdna_error *error,
     for (int i = 0; i < LEVELS; i++)
         net->share[i] = (float)count[i] / (float)p.width / (float)p.height;
     const float grey = vdna_pixels_mean_grey(&p);
-    *out = (vdna_backbone_frame){&net->tap, net->share, NULL, 1, LEVELS, grey, 0, 0, 0};
+    *out = (vdna_backbone_frame){
+        .taps = &net->tap, .embedding = net->share, .tap_count = 1, .dim = LEVELS, .grey = grey};
     return VDNA_OK;
 }
 
@@ -66,7 +70,7 @@ static void cancel(void *state)
 
 const vdna_backbone_operations *vdna_backbone_plugin(void)
 {
-    static const vdna_backbone_operations table = {sizeof table, 0,   start, stop,
-                                                   describe,     run, cancel};
+    static const vdna_backbone_operations table = {
+        sizeof table, VDNA_BACKBONE_OPERATIONS, start, stop, describe, run, cancel};
     return &table;
 }

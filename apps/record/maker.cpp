@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include <vdna/int8.h>
+
 namespace vdna::record
 {
 
@@ -22,6 +24,23 @@ void end_recording(Draft &draft, const Pass &pass)
     draft.recording.require_frames(draft.source);
 }
 
+// Of finite numbers, as a backbone gives them.
+Codes encoded(const std::vector<float> &values, size_t rows)
+{
+    const size_t dim = values.size() / rows;
+    Codes to{std::vector<int8_t>(values.size()), std::vector<float>(values.empty() ? 0 : rows)};
+    for (size_t i = 0; i < to.scales.size(); i++)
+        vdna_int8_encode(&values[dim * i], dim, &to.codes[dim * i], &to.scales[i]);
+    return to;
+}
+
+// The numbers as a file has them, NULL for those that it does not have.
+template <class Number>
+const Number *stored(const std::vector<Number> &numbers)
+{
+    return numbers.empty() ? nullptr : numbers.data();
+}
+
 } // namespace
 
 Maker::Maker(Backbone &backbone, const frames::SourceOptions &options, uint32_t bins)
@@ -34,10 +53,20 @@ void Maker::make(std::vector<Draft> &drafts, uint32_t range_rule)
 {
     if (ranges_.values.empty()) {
         calibrate(drafts, range_rule);
-        return;
+    } else {
+        for (Draft &draft : drafts)
+            record_and_count(draft);
     }
     for (Draft &draft : drafts)
-        record_and_count(draft);
+        encode(draft);
+}
+
+void Maker::encode(Draft &draft) const
+{
+    const Recording &r = draft.recording;
+    if (backbone_.info().embedding_int8 != 0)
+        draft.embedding = encoded(r.embeddings, r.frames);
+    draft.last_layer = encoded(r.last_layer, r.frames);
 }
 
 void Maker::record_and_count(Draft &draft)
@@ -111,9 +140,14 @@ vdna_experience Maker::experience_of(const Draft &draft) const
     e.counts = histogram->counts;
     e.mass = histogram->mass;
     e.embeddings = r.embeddings.data();
+    e.embedding_codes = stored(draft.embedding.codes);
+    e.embedding_scale = stored(draft.embedding.scales);
+    e.last_layer = stored(draft.last_layer.codes);
+    e.last_layer_scale = stored(draft.last_layer.scales);
+    e.last_layer_dim = backbone_.info().last_layer_dim;
     e.frame_utime = r.utime.data();
-    e.frame_place = r.place.empty() ? nullptr : r.place.data();
-    e.frame_position = r.position.empty() ? nullptr : r.position.data();
+    e.frame_place = stored(r.place);
+    e.frame_position = stored(r.position);
     e.frame_grey = r.grey.data();
     r.position_frame.copy(e.position_frame, sizeof e.position_frame - 1);
     r.account.order.copy(e.order, sizeof e.order - 1);

@@ -18,12 +18,20 @@
 namespace vdna::record
 {
 
+// Rows of numbers as codes of vdna/int8.h.
+struct Codes {
+    std::vector<int8_t> codes; // [frames][dim]; empty = none
+    std::vector<float> scales; // [frames]
+};
+
 // One experience: its source, and once it is made, the contents of its file.
 struct Draft {
     std::string source; // path, as for frames::Source
     std::string name;   // of the experience, passes vdna_name_check()
     Recording recording;
     std::optional<Histogram> histogram; // once the ranges are known
+    Codes embedding;                    // none if the file is to have floats
+    Codes last_layer;                   // none if the network gives no second embedding
 };
 
 class Maker
@@ -54,6 +62,7 @@ class Maker
     void calibrate(std::vector<Draft> &drafts, uint32_t range_rule);
     void count_stored(std::vector<Draft> &drafts) const;
     void count_again(Draft &draft);
+    void encode(Draft &draft) const;
 
     Backbone &backbone_;
     const frames::SourceOptions &options_;

@@ -22,12 +22,12 @@ using Json = nlohmann::ordered_json;
 constexpr const char *format_name = "vdna-ranges";
 constexpr int format_version = 1;
 
-// Ranges made with this network; its bins do not matter.
+// Ranges made with this network; its bins and its embedding do not matter.
 Ranges ranges_of(const std::string &origin, const vdna_identity &identity,
                  std::vector<float> values)
 {
     Ranges ranges{origin, identity, std::move(values)};
-    ranges.identity.bins = 0;
+    ranges.identity.bins = ranges.identity.dim = 0;
     ranges.identity.range = nullptr;
     return ranges;
 }

@@ -31,6 +31,8 @@ void Recording::add(const frames::Frame &frame, const vdna_backbone_frame &outpu
     add(frame.label, frame.name);
     grey.push_back(output.grey);
     embeddings.insert(embeddings.end(), output.embedding, output.embedding + output.dim);
+    last_layer.insert(last_layer.end(), output.last_layer,
+                      output.last_layer + output.last_layer_dim);
 }
 
 void Recording::add(const frames::Label &label, const std::string &name)

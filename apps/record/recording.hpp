@@ -24,6 +24,13 @@ struct Recording {
     std::vector<double> position;  // [frames][3], metres
     std::vector<float> grey;       // [frames], 0..255
     std::vector<float> embeddings; // [frames][dim]
+    std::vector<float> last_layer; // [frames][its own size]; [0] if there is no second embedding
+
+    // The embeddings of the last layer: the second ones, or if there are none, the only ones.
+    const std::vector<float> &last_layer_or_only() const
+    {
+        return last_layer.empty() ? embeddings : last_layer;
+    }
 
     // Append the current frame of `pass`.
     void add(const Pass &pass);

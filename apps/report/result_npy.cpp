@@ -53,6 +53,9 @@ class NpyFiles
             const record::Recording &r = t.recording;
             write_npy(path("embeddings_" + t.name), {r.frames, evaluation_.backbone.identity.dim},
                       r.embeddings);
+            const std::vector<float> &last_layer = r.last_layer_or_only();
+            write_npy(path("last_layer_" + t.name), {r.frames, last_layer.size() / r.frames},
+                      last_layer);
             write_npy(path("grey_" + t.name), {r.frames}, r.grey);
             if (evaluation_.unit == record::Unit::metres)
                 write_npy(path("position_" + t.name), {r.frames, 3}, r.position);

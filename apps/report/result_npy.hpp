@@ -11,7 +11,8 @@ namespace vdna::report
 // Files in a directory, created if missing; '/' in a traversal's name becomes '_' in file names:
 //   index.json                         names of the queries and references: rows and columns
 //   recall.npy, distance_METHOD.npy    [queries][references], NaN without a pair
-//   embeddings_TRAVERSAL.npy           [frames][dim], descriptors
+//   embeddings_TRAVERSAL.npy           [frames][dim], what frames are localised by
+//   last_layer_TRAVERSAL.npy           [frames][dim of it], what the Frechet distance compares
 //   grey_, place_ or position_TRAVERSAL.npy  [frames] or [frames][3]
 //   difference_QUERY_REFERENCE.npy     [live frames][map frames]
 //   ground_truth_QUERY_REFERENCE.npy   the same, in the unit of the tolerance

@@ -42,6 +42,15 @@ uint64_t bytes_of(const Map &map)
     return bytes;
 }
 
+uint64_t decoded_bytes_of(const Map &map)
+{
+    uint64_t bytes = 0;
+    for (const vdna_experience &experience : map.experiences())
+        if (experience.embedding_codes)
+            bytes += uint64_t{experience.frames} * experience.identity.dim * sizeof(float);
+    return bytes;
+}
+
 // The system may drop pages of the map while the network loads, so take at least the heap's growth.
 uint64_t growth(const Resident &before, const Resident &after)
 {
@@ -80,6 +89,7 @@ MemoryStatement::MemoryStatement(const Config &config, const StartUp &start_up, 
          static_cast<uint64_t>(start_up.program.now), true, false},
         {"map", experiences + " experience files, mapped and shared", bytes_of(map), false,
          !pinned},
+        {"map", "embeddings decoded from 8-bit codes", decoded_bytes_of(map), false, false},
         {"backbone",
          std::string(backbone.info().identity.backbone) + ": runtime, network and arena",
          growth(start_up.map, start_up.backbone), true, false},

@@ -102,6 +102,9 @@ program::Json json_of(const Experience &file)
             {"precision", e.identity.precision},
             {"preprocessing", e.identity.preprocessing},
             {"taps", e.identity.taps},
+            {"embedding", e.identity.embedding},
+            {"storage", e.embedding_codes ? "int8" : "float32"},
+            {"last_layer_dim", e.last_layer_dim},
             {"comparable", e.comparable}};
 }
 

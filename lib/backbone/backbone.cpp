@@ -1,6 +1,8 @@
 // The C ABI: one network behind its table of operations. What a table gives is checked here, once
 // for all tables.
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -160,19 +162,28 @@ void require_fitting(const vdna_backbone &backbone, const vdna_backbone_frame &f
                      "an embedding of " + std::to_string(frame.embedding ? frame.dim : 0) +
                          " numbers",
                      std::to_string(info.identity.dim));
+    if ((frame.last_layer ? frame.last_layer_dim : 0) != info.last_layer_dim)
+        refuse_frame(backbone,
+                     "a last layer of " +
+                         std::to_string(frame.last_layer ? frame.last_layer_dim : 0) + " numbers",
+                     std::to_string(info.last_layer_dim));
     if ((frame.input != nullptr) != (info.input_width > 0))
         refuse_frame(backbone, frame.input ? "an input" : "no input", frame.input ? "none" : "one");
     if (!(frame.grey >= 0.0f && frame.grey <= 255.0f))
         refuse_frame(backbone, "the grey level " + std::to_string(frame.grey), "0 to 255");
 }
 
+bool all_finite(const float *values, uint32_t count)
+{
+    return std::all_of(values, values + count, [](float value) { return std::isfinite(value); });
+}
+
 void require_finite(const vdna_backbone &backbone, const vdna_backbone_frame &frame)
 {
     const vdna_identity &identity = backbone.info.identity;
-    const vdna_activations embedding = {frame.embedding, identity.dim, 1,
-                                        VDNA_LAYOUT_SAMPLES_NEURONS};
     const vdna_status taps = vdna_activations_check(frame.taps, frame.tap_count, identity.neurons);
-    if (taps == VDNA_ERR_NONFINITE || vdna_activations_check(&embedding, 1, embedding.neurons))
+    if (taps == VDNA_ERR_NONFINITE || !all_finite(frame.embedding, frame.dim) ||
+        !all_finite(frame.last_layer, frame.last_layer_dim))
         throw fail::Failure(VDNA_ERR_NONFINITE, std::string("backbone ") + identity.backbone +
                                                     ": gave a NaN or an infinity for this picture; "
                                                     "expected numbers; leave the picture out");

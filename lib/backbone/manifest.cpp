@@ -53,6 +53,9 @@ class Reader
     std::vector<TappedOutput> taps(const toml::table &root) const;
     std::string precision(const toml::table &root) const;
     std::string quantised_from(const toml::table &root) const;
+    Embedding embedding(const toml::table &table) const;
+    Embedding papers_embedding(const toml::table &root) const;
+    Grid grid(const toml::node &node) const;
 
     void allow_only(const toml::table &table, Keys keys) const;
     const toml::node &need(const toml::table &table, std::string_view key,
@@ -61,6 +64,7 @@ class Reader
     std::string text(const toml::table &table, std::string_view key) const;
     std::string plain_name(const toml::table &table, std::string_view key) const;
     std::string output(const toml::table &table) const;
+    std::string word(const toml::table &table, std::string_view key) const;
     std::string hash(const toml::table &table, std::string_view key) const;
     size_t choice(const toml::table &table, std::string_view key, Keys choices) const;
     uint32_t side(const toml::table &table, std::string_view key) const;
@@ -121,6 +125,16 @@ std::string Reader::output(const toml::table &table) const
     // They separate taps, and the fields of one, in the list of an identity.
     if (name.find_first_of(":,") != std::string::npos)
         refuse(table.get("output")->source(), "'output' must be a name without ':' and ','");
+    return name;
+}
+
+// The name of an output as one word of an embedding's definition.
+std::string Reader::word(const toml::table &table, std::string_view key) const
+{
+    const std::string name = text(table, key);
+    if (name.find(' ') != std::string::npos)
+        refuse(table.get(key)->source(),
+               "'" + std::string(key) + "' must be a name without blanks");
     return name;
 }
 
@@ -235,10 +249,57 @@ std::string Reader::quantised_from(const toml::table &root) const
     return hash(table, "from_sha256");
 }
 
+Grid Reader::grid(const toml::node &node) const
+{
+    const auto cells = [](const toml::node *side) {
+        const int64_t count = side && side->is_integer() ? side->as_integer()->get() : 0;
+        return count >= 1 && count <= Input::side_max ? static_cast<uint32_t>(count) : 0;
+    };
+    const toml::array *list = node.as_array();
+    const bool is_pair = list && list->size() == 2;
+    const Grid grid =
+        is_pair ? Grid{cells(list->get(0)), cells(list->get(1))} : Grid{cells(&node), cells(&node)};
+    if (grid.rows == 0 || grid.columns == 0)
+        refuse(node.source(), "'grid' must be a number of cells per side, 1 to " +
+                                  std::to_string(Input::side_max) + ", or [rows, columns]");
+    return grid;
+}
+
+Embedding Reader::embedding(const toml::table &table) const
+{
+    allow_only(table, {"output", "grid", "centre", "last_layer", "l2_normalise", "storage"});
+    Embedding embedding{};
+    embedding.output = word(table, "output");
+    if (const toml::node *const node = table.get("grid"))
+        embedding.grid = grid(*node);
+    embedding.centre = table.contains("centre") && flag(table, "centre");
+    embedding.l2_normalise = flag(table, "l2_normalise");
+    embedding.int8 =
+        table.contains("storage") && choice(table, "storage", {"float32", "int8"}) == 1;
+    if (table.contains("last_layer"))
+        embedding.last_layer = word(table, "last_layer");
+    return embedding;
+}
+
+// As in the paper, one layer serves both: frames are localised by the last one.
+Embedding Reader::papers_embedding(const toml::table &root) const
+{
+    const toml::table &table = section(root, "embedding");
+    const Embedding ours = embedding(table);
+    if (ours.grid && ours.last_layer.empty())
+        refuse(table.source(), "protocol 'paper' localises by the last layer; name its output, "
+                               "'last_layer = ...'");
+    Embedding whole{};
+    whole.output = ours.last_layer.empty() ? ours.output : ours.last_layer;
+    whole.l2_normalise = ours.l2_normalise;
+    whole.int8 = ours.int8;
+    return whole;
+}
+
 Manifest Reader::manifest(const toml::table &root) const
 {
     allow_only(root, {"name", "model", "sha256", "source", "licence", "precision", "quantised",
-                      "input", "taps", "embedding"});
+                      "protocol", "input", "taps", "embedding"});
     Manifest manifest{};
     manifest.name = plain_name(root, "name");
     manifest.model = file_.parent_path() / text(root, "model");
@@ -251,10 +312,10 @@ Manifest Reader::manifest(const toml::table &root) const
     manifest.input = input(section(root, "input"));
     manifest.taps = taps(root);
 
-    const toml::table &embedding = section(root, "embedding");
-    allow_only(embedding, {"output", "l2_normalise"});
-    manifest.embedding = output(embedding);
-    manifest.l2_normalise = flag(embedding, "l2_normalise");
+    const bool is_papers = root.contains("protocol");
+    if (is_papers)
+        choice(root, "protocol", {"paper"});
+    manifest.embedding = is_papers ? papers_embedding(root) : embedding(section(root, "embedding"));
     return manifest;
 }
 
@@ -290,7 +351,20 @@ std::string preprocessing_text(const Manifest &manifest)
            (input.bgr ? " BGR" : " RGB") + " mean=" + triple(input.mean) +
            " std=" + triple(input.std) + " resize=stretch/" +
            std::string(interpolation_names.begin()[static_cast<size_t>(input.interpolation)]) +
-           " l2=" + (manifest.l2_normalise ? "1" : "0");
+           " l2=" + (manifest.embedding.l2_normalise ? "1" : "0");
+}
+
+std::string embedding_text(const Embedding &embedding)
+{
+    if (!embedding.grid && !embedding.centre && embedding.last_layer.empty())
+        return "";
+    std::string text = embedding.output;
+    if (embedding.grid)
+        text += " grid=" + std::to_string(embedding.grid->rows) + "x" +
+                std::to_string(embedding.grid->columns);
+    if (!embedding.last_layer.empty())
+        text += " last=" + embedding.last_layer;
+    return text + (embedding.centre ? " centred" : "");
 }
 
 } // namespace vdna::backbone

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,21 @@ struct TappedOutput {
     uint32_t layout; // VDNA_LAYOUT_...
 };
 
+// The cells of a feature map whose means are the embedding.
+struct Grid {
+    uint32_t rows, columns; // >= 1
+};
+
+// What frames are localised by: an ONNX output, which may also be tapped.
+struct Embedding {
+    std::string output;
+    std::optional<Grid> grid; // none: the whole output
+    bool centre;              // localisers subtract a mean; here nothing is subtracted
+    bool l2_normalise;        // the embedding only; never a tap
+    bool int8;                // experience files store it as codes
+    std::string last_layer;   // output of the second embedding; "" = none
+};
+
 struct Manifest {
     std::string name;
     std::filesystem::path model;
@@ -40,8 +56,7 @@ struct Manifest {
     std::string quantised_from; // SHA-256 of the model it was made from; "" = none
     Input input;
     std::vector<TappedOutput> taps; // >= 1, all different
-    std::string embedding;          // ONNX output, which may also be tapped
-    bool l2_normalise;              // the embedding only; never a tap
+    Embedding embedding;
 };
 
 // Read and check a manifest. Throws Failure with "FILE:LINE: ..." and what was expected.
@@ -50,5 +65,8 @@ Manifest read_manifest(const std::filesystem::path &file);
 // Everything that shapes what is counted and compared, as a canonical text: two manifests with the
 // same text, model and taps give numbers that compare.
 std::string preprocessing_text(const Manifest &manifest);
+
+// How the embedding is made, as in an identity: "" for one whole output that is all there is.
+std::string embedding_text(const Embedding &embedding);
 
 } // namespace vdna::backbone

@@ -1,16 +1,19 @@
 #include "onnx_backbone.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <vdna/picture.h>
 
 #include "failure.hpp"
+#include "grid_means.hpp"
 #include "manifest.hpp"
 #include "manifest_path.hpp"
 #include "model.hpp"
@@ -38,6 +41,7 @@ struct OnnxBackbone {
     Preprocessor preprocessor;
     std::vector<vdna_activations> taps;
     uint32_t neurons = 0;
+    std::optional<GridMeans> grid;
     bool l2_normalise;
     std::vector<float> embedding;
     vdna_backbone_info info{};
@@ -105,11 +109,15 @@ void fill_info(OnnxBackbone &backbone, const Manifest &manifest, uint32_t max_pi
     copy_text(identity.preprocessing, preprocessing_text(manifest), "the preprocessing");
     copy_text(identity.precision, manifest.precision, "the precision");
     write_taps(manifest, backbone.taps, identity.taps);
+    copy_text(identity.embedding, embedding_text(manifest.embedding),
+              "the definition of the embedding");
     identity.neurons = backbone.neurons;
     identity.dim = static_cast<uint32_t>(backbone.embedding.size());
     copy_text(info.quantised_from, manifest.quantised_from, "the SHA-256 of the original");
     copy_text(info.runtime, "onnxruntime " + backbone.runtime.version(), "the runtime's version");
     info.tap_count = static_cast<uint32_t>(backbone.taps.size());
+    info.last_layer_dim = static_cast<uint32_t>(backbone.session.last_layer().size);
+    info.embedding_int8 = manifest.embedding.int8;
     info.input_width = manifest.input.width;
     info.input_height = manifest.input.height;
     info.decode_bytes = vdna_decoder_bytes_max(max_pixels);
@@ -136,7 +144,10 @@ void infer(OnnxBackbone &backbone)
 {
     backbone.session.run();
     const Output &output = backbone.session.embedding();
-    backbone.embedding.assign(output.values, output.values + output.size);
+    if (backbone.grid)
+        backbone.grid->run(output.values, backbone.embedding.data());
+    else
+        std::copy_n(output.values, output.size, backbone.embedding.begin());
     if (backbone.l2_normalise)
         l2_normalise(backbone.embedding);
 }
@@ -147,12 +158,34 @@ uint32_t elapsed_us(Clock::time_point begin, Clock::time_point end)
         std::chrono::duration_cast<std::chrono::microseconds>(end - begin).count());
 }
 
+std::optional<GridMeans> grid_of(const Manifest &manifest, const Output &output)
+{
+    const Embedding &embedding = manifest.embedding;
+    if (!embedding.grid)
+        return {};
+    return GridMeans(output, *embedding.grid,
+                     manifest.model.string() + ": output '" + embedding.output + "'");
+}
+
+// A second embedding tells what the whole picture is like, so it has one sample of each neuron.
+void require_vector(const Manifest &manifest, const Output &last_layer)
+{
+    if (last_layer.shape.size() > 1)
+        throw fail::Failure(VDNA_ERR_MISMATCH,
+                            manifest.model.string() + ": output '" + manifest.embedding.last_layer +
+                                "' has " + std::to_string(last_layer.shape.size()) +
+                                " dimensions besides the batch; expected one, 1xN, for "
+                                "'last_layer'");
+}
+
 OnnxBackbone::OnnxBackbone(const Manifest &manifest, const vdna_backbone_config &config)
     : runtime(config.runtime),
       session(runtime, manifest, check_meanwhile(manifest), config.threads),
-      decoder(config.max_pixels), preprocessor(manifest.input), l2_normalise(manifest.l2_normalise),
-      embedding(session.embedding().size)
+      decoder(config.max_pixels), preprocessor(manifest.input),
+      grid(grid_of(manifest, session.embedding())), l2_normalise(manifest.embedding.l2_normalise),
+      embedding(grid ? grid->size() : session.embedding().size)
 {
+    require_vector(manifest, session.last_layer());
     for (size_t t = 0; t < manifest.taps.size(); t++) {
         taps.push_back(as_activations(session.taps()[t], manifest.taps[t].layout));
         neurons += taps[t].neurons;
@@ -198,11 +231,17 @@ vdna_status run_onnx(void *state, const vdna_image *image, vdna_error *error,
         infer(backbone);
         const auto inferred = Clock::now();
 
-        *out_frame = {backbone.taps.data(),         backbone.embedding.data(),
-                      backbone.session.input(),     backbone.taps.size(),
-                      backbone.info.identity.dim,   grey,
-                      elapsed_us(begin, decoded),   elapsed_us(decoded, resized),
-                      elapsed_us(resized, inferred)};
+        *out_frame = {backbone.taps.data(),
+                      backbone.embedding.data(),
+                      backbone.session.input(),
+                      backbone.taps.size(),
+                      backbone.info.identity.dim,
+                      grey,
+                      elapsed_us(begin, decoded),
+                      elapsed_us(decoded, resized),
+                      elapsed_us(resized, inferred),
+                      backbone.info.last_layer_dim,
+                      backbone.session.last_layer().values};
     });
 }
 
@@ -214,7 +253,7 @@ void cancel_onnx(void *state)
 } // namespace
 
 const vdna_backbone_operations onnx_operations = {sizeof(vdna_backbone_operations),
-                                                  0,
+                                                  VDNA_BACKBONE_OPERATIONS,
                                                   open_onnx,
                                                   close_onnx,
                                                   describe_onnx,

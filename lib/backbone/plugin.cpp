@@ -14,12 +14,17 @@ namespace
 
 constexpr const char *extension = ".so";
 constexpr const char *entry = "vdna_backbone_plugin";
-constexpr size_t oldest_table = sizeof(vdna_backbone_operations); // in version 0.1
 
 bool ends_with(const std::string &text, const std::string &end)
 {
     return text.size() >= end.size() &&
            text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+// Of a table that has as many bytes as ours.
+std::string version_text(const vdna_backbone_operations &table)
+{
+    return table.struct_size == sizeof table ? " of version " + std::to_string(table.version) : "";
 }
 
 // The first operation that is missing; nullptr if none is.
@@ -54,12 +59,13 @@ vdna_backbone_operations checked(const vdna_backbone_operations *table, const st
                             whose + ": there is no table of operations; expected the address of "
                                     "a vdna_backbone_operations");
     // Beyond its stated size nothing of the table is there.
-    if (table->struct_size < oldest_table || table->struct_size > sizeof *table)
-        throw fail::Failure(VDNA_ERR_UNSUPPORTED,
-                            whose + ": the table of operations has " +
-                                std::to_string(table->struct_size) + " bytes, expected " +
-                                std::to_string(sizeof *table) +
-                                "; build it with the vdna/backbone.h of this version");
+    if (table->struct_size != sizeof *table || table->version != VDNA_BACKBONE_OPERATIONS)
+        throw fail::Failure(
+            VDNA_ERR_UNSUPPORTED,
+            whose + ": the table of operations has " + std::to_string(table->struct_size) +
+                " bytes" + version_text(*table) + ", expected " + std::to_string(sizeof *table) +
+                " bytes of version " + std::to_string(VDNA_BACKBONE_OPERATIONS) +
+                "; build it with the vdna/backbone.h of this version");
     if (const char *const missing = missing_in(*table))
         throw fail::Failure(VDNA_ERR_UNSUPPORTED,
                             whose + ": the table of operations has no " + missing +

@@ -64,7 +64,9 @@ Session::Session(const Runtime &runtime, const Manifest &manifest, std::future<M
     std::vector<std::string> wanted;
     for (const TappedOutput &tap : manifest.taps)
         wanted.push_back(tap.output);
-    wanted.push_back(manifest.embedding);
+    wanted.push_back(manifest.embedding.output);
+    if (!manifest.embedding.last_layer.empty())
+        wanted.push_back(manifest.embedding.last_layer);
     for (const std::string &output : wanted) {
         if (std::find(available.begin(), available.end(), output) == available.end())
             throw fail::Failure(VDNA_ERR_MISMATCH, manifest.model.string() + ": has no output '" +
@@ -75,7 +77,9 @@ Session::Session(const Runtime &runtime, const Manifest &manifest, std::future<M
 
     for (const TappedOutput &tap : manifest.taps)
         taps_.push_back(observe(tap.output, manifest));
-    embedding_ = observe(manifest.embedding, manifest);
+    embedding_ = observe(manifest.embedding.output, manifest);
+    if (!manifest.embedding.last_layer.empty())
+        last_layer_ = observe(manifest.embedding.last_layer, manifest);
 }
 
 Handle<OrtEnv> Session::make_env() const

@@ -36,9 +36,11 @@ class Session
     // [3][height][width], to be filled before run().
     float *input() { return input_.data(); }
 
-    // One per tap in the manifest's order, and the embedding's. Nothing else is computed.
+    // One per tap in the manifest's order, that of the embedding, and that of the last layer,
+    // without values if the manifest names none. Nothing else is computed.
     const std::vector<Output> &taps() const { return taps_; }
     const Output &embedding() const { return embedding_; }
+    const Output &last_layer() const { return last_layer_; }
 
     // Throws Failure (VDNA_ERR_RUNTIME).
     void run();
@@ -78,6 +80,7 @@ class Session
 
     std::vector<Output> taps_;
     Output embedding_;
+    Output last_layer_{};
 };
 
 } // namespace vdna::backbone

@@ -171,7 +171,8 @@ double pearson(const Numbers &x, const Numbers &y)
         xy += (x[i] - mean_x) * (y[i] - mean_y);
     }
     const double scale = std::sqrt(xx) * std::sqrt(yy);
-    return scale > 0 ? xy / scale : undefined;
+    // Rounding may carry the quotient beyond what a correlation can be.
+    return scale > 0 ? std::clamp(xy / scale, -1.0, 1.0) : undefined;
 }
 
 // Ranks from 1; equal values share the mean of their ranks.

@@ -1,5 +1,6 @@
 #include <fail.h>
 #include <inttypes.h>
+#include <string.h>
 
 #include <vdna/hist.h>
 #include <vdna/identity.h>
@@ -16,6 +17,14 @@ const char *vdna_identity_precision(const vdna_identity *identity)
 {
     return identity && identity->precision[0] != '\0' ? identity->precision
                                                       : VDNA_PRECISION_DEFAULT;
+}
+
+/* see vdna/identity.h */
+int vdna_identity_is_centred(const vdna_identity *identity)
+{
+    static const char word[] = " centred";
+    const size_t length = identity ? strlen(identity->embedding) : 0;
+    return length > strlen(word) && strcmp(identity->embedding + length - strlen(word), word) == 0;
 }
 
 static vdna_status check_sha256(const char text[VDNA_SHA256_SIZE], vdna_error *error)
@@ -39,6 +48,9 @@ static vdna_status check_texts(const vdna_identity *i, vdna_error *error)
     if (status == VDNA_OK)
         status =
             vdna_text_check("taps ", i->taps, sizeof i->taps, vdna_is_printable, printable, error);
+    if (status == VDNA_OK && i->embedding[0] != '\0')
+        status = vdna_text_check("embedding ", i->embedding, sizeof i->embedding, vdna_is_printable,
+                                 printable, error);
     return status == VDNA_OK ? check_sha256(i->model_sha256, error) : status;
 }
 

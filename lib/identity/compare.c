@@ -46,6 +46,20 @@ static vdna_status compare_numbers(const char *field, uint32_t of_a, uint32_t of
     return differ(field, text_a, text_b, error);
 }
 
+static const char *embedding_of(const vdna_identity *identity)
+{
+    return identity->embedding[0] != '\0' ? identity->embedding : "one whole output";
+}
+
+/* The definition of an embedding is known where its size is. */
+static vdna_status compare_embeddings(const vdna_identity *a, const vdna_identity *b,
+                                      vdna_error *error)
+{
+    if (a->dim == 0 || b->dim == 0)
+        return VDNA_OK;
+    return compare_texts("embedding", embedding_of(a), embedding_of(b), error);
+}
+
 static vdna_status compare_models(const vdna_identity *a, const vdna_identity *b, vdna_error *error)
 {
     if (strcmp(a->model_sha256, b->model_sha256) == 0)
@@ -87,6 +101,8 @@ vdna_status vdna_identity_compare(const vdna_identity *a, const vdna_identity *b
         status = compare_texts("taps", a->taps, b->taps, error);
     if (status == VDNA_OK)
         status = compare_numbers("neurons", a->neurons, b->neurons, error);
+    if (status == VDNA_OK)
+        status = compare_embeddings(a, b, error);
     if (status == VDNA_OK)
         status = compare_numbers("dim", a->dim, b->dim, error);
     if (status == VDNA_OK)

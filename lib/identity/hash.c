@@ -11,11 +11,13 @@ vdna_status vdna_identity_text(const vdna_identity *identity,
 {
     if (!identity || !out_text)
         return VDNA_ERR_ARG;
-    /* No text can contain the newline that ends its line. */
+    /* No text can contain the newline that ends its line. Without a definition of the embedding it
+     * is the text of version 1, so that old files keep their hash. */
+    const int is_defined = identity->embedding[0] != '\0';
     snprintf(out_text, VDNA_IDENTITY_TEXT_SIZE,
-             "vdna-comparable 1\n%.64s\n%.511s\n%.2047s\n%" PRIu32 "\n%" PRIu32 "\n",
-             identity->model_sha256, identity->preprocessing, identity->taps, identity->dim,
-             identity->bins);
+             "vdna-comparable %d\n%.64s\n%.511s\n%.2047s\n%" PRIu32 "\n%" PRIu32 "\n%.255s%s",
+             is_defined ? 2 : 1, identity->model_sha256, identity->preprocessing, identity->taps,
+             identity->dim, identity->bins, identity->embedding, is_defined ? "\n" : "");
     return VDNA_OK;
 }
 

@@ -13,8 +13,13 @@ void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDN
         {"counts", "U32", 4, 0, e->identity.bins, e->identity.neurons, e->counts},
         {"mass", "U32", 4, 0, e->identity.neurons, 0, e->mass},
         {"range", "F32", 4, 0, e->identity.neurons, 2, e->identity.range},
-        {"embeddings", "F32", 4, 0, e->frames, e->identity.dim, e->embeddings},
+        {"embeddings", "F32", 4, 1, e->frames, e->identity.dim,
+         e->embedding_codes ? NULL : e->embeddings},
         {"frame_grey", "F32", 4, 0, e->frames, 0, e->frame_grey},
+        {"frame_embedding_scale", "F32", 4, 1, e->frames, 0, e->embedding_scale},
+        {"frame_last_layer_scale", "F32", 4, 1, e->frames, 0, e->last_layer_scale},
+        {"frame_embedding", "I8", 1, 1, e->frames, e->identity.dim, e->embedding_codes},
+        {"frame_last_layer", "I8", 1, 1, e->frames, e->last_layer_dim, e->last_layer},
     };
     memcpy(out_fields, fields, sizeof fields);
 }
@@ -22,6 +27,8 @@ void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDN
 unsigned vdna_layout_version(const vdna_experience *experience)
 {
     const vdna_experience *e = experience;
+    if (e->identity.embedding[0] != '\0' || e->last_layer || e->embedding_codes)
+        return 3;
     for (size_t f = 0; f < e->frames; f++)
         if ((e->frame_place && e->frame_place[f] == VDNA_PLACE_NONE) ||
             (e->frame_position && isnan(e->frame_position[3 * f])))

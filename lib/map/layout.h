@@ -14,6 +14,10 @@ enum {
     VDNA_FIELD_RANGE,
     VDNA_FIELD_EMBEDDINGS,
     VDNA_FIELD_GREY,
+    VDNA_FIELD_EMBEDDING_SCALE,
+    VDNA_FIELD_LAST_LAYER_SCALE,
+    VDNA_FIELD_EMBEDDING_CODES,
+    VDNA_FIELD_LAST_LAYER,
     VDNA_FIELD_COUNT
 };
 
@@ -23,15 +27,15 @@ enum {
 typedef struct vdna_field {
     const char *name;
     const char *dtype;
-    uint32_t width; /* bytes of an element, and its alignment */
+    uint32_t width; /* bytes of an element, and its alignment; the checksum alone needs none */
     int optional;
     uint32_t rows;
     uint32_t columns; /* 0 = the tensor has one dimension only */
     const void *data; /* NULL = absent */
 } vdna_field;
 
-/* The oldest version of the format that allows all of `experience`: 2 if a frame lacks the ground
- * truth that others have. */
+/* The oldest version of the format that allows all of `experience`: 3 for an embedding of which
+ * older readers know nothing, 2 if a frame lacks the ground truth that others have. */
 unsigned vdna_layout_version(const vdna_experience *experience);
 
 /* Describe the tensors of `experience`: shapes from its sizes, data from its pointers. */

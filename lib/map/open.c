@@ -52,6 +52,8 @@ static const char *remedy_of(vdna_status status)
         return "copy it again from its source, or rebuild it with `vdna build`";
     case VDNA_ERR_UNSUPPORTED:
         return "update this program, or rebuild the file with its own `vdna build`";
+    case VDNA_ERR_NOMEM:
+        return "free some";
     default:
         return "rebuild it with `vdna build`";
     }
@@ -95,8 +97,10 @@ void vdna_experience_close(vdna_experience *experience)
     if (!experience)
         return;
     /* The cast drops const, which is for callers: munmap() changes no byte. */
-    if (experience->file_bytes)
+    if (experience->file_bytes) {
+        vdna_read_free(experience);
         munmap((void *)experience->file_bytes, experience->file_size);
+    }
     memset(experience, 0, sizeof *experience);
 }
 

@@ -2,7 +2,10 @@
 
 #include <fail.h>
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
+
+#include <vdna/int8.h>
 
 #include "crc32c.h"
 #include "layout.h"
@@ -48,11 +51,18 @@ static vdna_status check_tensor(const vdna_tensor *tensor, const vdna_field *fie
                          "tensor %s has %" PRIu64 " bytes, expected %" PRIu64 " numbers of %" PRIu32
                          " bytes",
                          field->name, bytes, vdna_layout_elements(field), field->width);
-    if (tensor->begin % field->width != 0)
-        return vdna_fail(reason, VDNA_ERR_FORMAT,
-                         "tensor %s begins at byte %" PRIu64 ", expected a multiple of %" PRIu32,
-                         field->name, tensor->begin, field->width);
     return VDNA_OK;
+}
+
+/* The numbers of a field are used in place. */
+static vdna_status check_alignment(const vdna_tensor *tensor, const vdna_field *field,
+                                   vdna_error *reason)
+{
+    if (tensor->begin % field->width == 0)
+        return VDNA_OK;
+    return vdna_fail(reason, VDNA_ERR_FORMAT,
+                     "tensor %s begins at byte %" PRIu64 ", expected a multiple of %" PRIu32,
+                     field->name, tensor->begin, field->width);
 }
 
 uint32_t vdna_read_checksum(const unsigned char *bytes, size_t size, const vdna_tensor *crc)
@@ -138,6 +148,9 @@ static vdna_status read_texts(const vdna_header *header, vdna_error *reason, vdn
                                sizeof e->position_frame, reason);
     if (status == VDNA_OK)
         status = read_optional(header, "order", e->order, sizeof e->order, reason);
+    if (status == VDNA_OK)
+        status = read_optional(header, "embedding", e->identity.embedding,
+                               sizeof e->identity.embedding, reason);
     return status;
 }
 
@@ -160,6 +173,21 @@ static vdna_status read_sizes(const vdna_header *header, const char *name, vdna_
     return VDNA_OK;
 }
 
+/* The tensor that has a number for each frame and dimension. */
+static const char *embeddings_of(const vdna_header *header)
+{
+    return vdna_header_tensor(header, "frame_embedding") ? "frame_embedding" : "embeddings";
+}
+
+static vdna_status read_last_layer_size(const vdna_header *header, vdna_error *reason,
+                                        vdna_experience *e)
+{
+    uint32_t rows; /* read_fields() compares them with the frames */
+    if (!vdna_header_tensor(header, "frame_last_layer"))
+        return VDNA_OK;
+    return read_sizes(header, "frame_last_layer", reason, &rows, &e->last_layer_dim);
+}
+
 static vdna_status read_fields(const unsigned char *bytes, const vdna_header *header,
                                const vdna_experience *e, vdna_error *reason,
                                vdna_field fields[VDNA_FIELD_COUNT])
@@ -169,7 +197,9 @@ static vdna_status read_fields(const unsigned char *bytes, const vdna_header *he
         const vdna_tensor *tensor = vdna_header_tensor(header, fields[f].name);
         if (!tensor)
             continue; /* vdna_rules_check() knows which ones may be absent */
-        const vdna_status status = check_tensor(tensor, &fields[f], reason);
+        vdna_status status = check_tensor(tensor, &fields[f], reason);
+        if (status == VDNA_OK)
+            status = check_alignment(tensor, &fields[f], reason);
         if (status != VDNA_OK)
             return status;
         fields[f].data = bytes + tensor->begin;
@@ -184,7 +214,9 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
     vdna_status status =
         read_sizes(header, "counts", reason, &e->identity.bins, &e->identity.neurons);
     if (status == VDNA_OK)
-        status = read_sizes(header, "embeddings", reason, &e->frames, &e->identity.dim);
+        status = read_sizes(header, embeddings_of(header), reason, &e->frames, &e->identity.dim);
+    if (status == VDNA_OK)
+        status = read_last_layer_size(header, reason, e);
     if (status == VDNA_OK)
         status = read_fields(bytes, header, e, reason, fields);
     if (status != VDNA_OK)
@@ -198,6 +230,33 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
     e->identity.range = fields[VDNA_FIELD_RANGE].data;
     e->embeddings = fields[VDNA_FIELD_EMBEDDINGS].data;
     e->frame_grey = fields[VDNA_FIELD_GREY].data;
+    e->last_layer_scale = fields[VDNA_FIELD_LAST_LAYER_SCALE].data;
+    e->last_layer = fields[VDNA_FIELD_LAST_LAYER].data;
+    e->embedding_scale = fields[VDNA_FIELD_EMBEDDING_SCALE].data;
+    e->embedding_codes = fields[VDNA_FIELD_EMBEDDING_CODES].data;
+    return VDNA_OK;
+}
+
+/* Decode embeddings that are stored as codes; without their scales, vdna_rules_check() says so. */
+static vdna_status decode_embeddings(vdna_error *reason, vdna_experience *e)
+{
+    if (!e->embedding_codes)
+        return VDNA_OK;
+    e->embeddings = NULL;
+    if (!e->embedding_scale)
+        return VDNA_OK;
+    /* The codes are in the file, so their number is a size in memory; four times it may not be. */
+    const size_t dim = e->identity.dim, count = e->frames * dim;
+    float *const decoded =
+        count <= SIZE_MAX / sizeof *decoded ? malloc(count * sizeof *decoded) : NULL;
+    if (!decoded)
+        return vdna_fail(reason, VDNA_ERR_NOMEM,
+                         "no memory for %zu decoded embeddings of %zu numbers", (size_t)e->frames,
+                         dim);
+    for (size_t f = 0; f < e->frames; f++)
+        vdna_int8_decode(e->embedding_codes + f * dim, dim, e->embedding_scale[f],
+                         decoded + f * dim);
+    e->embeddings = decoded;
     return VDNA_OK;
 }
 
@@ -209,6 +268,22 @@ static vdna_status check_comparable(const vdna_experience *e, vdna_error *reason
         return vdna_fail(reason, VDNA_ERR_FORMAT,
                          "comparable is not the SHA-256 of the other fields, which is %s", sha256);
     return VDNA_OK;
+}
+
+static vdna_status finish(vdna_error *reason, vdna_experience *e)
+{
+    if (vdna_rules_check(e, reason) != VDNA_OK)
+        return VDNA_ERR_FORMAT;
+    const char *const frame = vdna_position_frame_of(e); /* perhaps its own */
+    memmove(e->position_frame, frame, strlen(frame) + 1);
+    return check_comparable(e, reason);
+}
+
+void vdna_read_free(const vdna_experience *experience)
+{
+    /* The cast drops const, which is for callers: these floats are in nobody's file. */
+    if (experience->embedding_codes)
+        free((void *)experience->embeddings);
 }
 
 vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reason,
@@ -229,15 +304,13 @@ vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reaso
         status = read_texts(&header, reason, &e);
     if (status == VDNA_OK)
         status = read_tensors(bytes, &header, reason, &e);
-    if (status != VDNA_OK)
-        return status;
-
-    if (vdna_rules_check(&e, reason) != VDNA_OK)
-        return VDNA_ERR_FORMAT;
-    const char *const frame = vdna_position_frame_of(&e); /* perhaps its own */
-    memmove(e.position_frame, frame, strlen(frame) + 1);
-    status = check_comparable(&e, reason);
+    if (status == VDNA_OK)
+        status = decode_embeddings(reason, &e);
+    if (status == VDNA_OK)
+        status = finish(reason, &e);
     if (status == VDNA_OK)
         *out_experience = e;
+    else
+        vdna_read_free(&e);
     return status;
 }

@@ -4,12 +4,16 @@
 
 #include "header.h"
 
-/* Check every byte of a file and point into it.
+/* Check every byte of a file and point into it, but for embeddings to be decoded.
  * @param bytes  aligned for int64_t; borrowed by `out_experience`, whose file_bytes stays NULL
  * @param reason  filled on failure, without the name of the file
- * @return VDNA_OK; VDNA_ERR_FORMAT; VDNA_ERR_CHECKSUM; VDNA_ERR_UNSUPPORTED */
+ * @param out_experience  to be ended with vdna_read_free()
+ * @return VDNA_OK; VDNA_ERR_FORMAT; VDNA_ERR_CHECKSUM; VDNA_ERR_UNSUPPORTED; VDNA_ERR_NOMEM */
 vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reason,
                       vdna_experience *out_experience);
+
+/* Free the embeddings that were decoded, if any. */
+void vdna_read_free(const vdna_experience *experience);
 
 /* The value that tensor `crc` (U32 [1]) must have: the checksum of all other bytes of the file. */
 uint32_t vdna_read_checksum(const unsigned char *bytes, size_t size, const vdna_tensor *crc);

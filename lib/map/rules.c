@@ -34,12 +34,44 @@ static vdna_status check_shape(const vdna_experience *e, vdna_error *reason)
     for (size_t f = 0; f < VDNA_FIELD_COUNT; f++)
         if (!fields[f].data && !fields[f].optional)
             return vdna_fail(reason, VDNA_ERR_ARG, "%s is missing", fields[f].name);
+    if (!e->embeddings)
+        return vdna_fail(reason, VDNA_ERR_ARG, "embeddings is missing");
     return VDNA_OK;
 }
 
 static vdna_status check_identity(const vdna_experience *e, vdna_error *reason)
 {
     return vdna_identity_check(&e->identity, reason);
+}
+
+static vdna_status check_scales(const char *field, const float *scales, uint32_t frames,
+                                vdna_error *reason)
+{
+    for (size_t f = 0; scales && f < frames; f++)
+        if (!isfinite(scales[f]) || scales[f] < 0)
+            return vdna_fail(reason, VDNA_ERR_ARG,
+                             "%s of frame %zu is %g, expected a finite number from 0", field, f,
+                             (double)scales[f]);
+    return VDNA_OK;
+}
+
+/* Codes come with scales, and those of the last layer with their number. */
+static vdna_status check_codes(const vdna_experience *e, vdna_error *reason)
+{
+    if (!e->embedding_codes != !e->embedding_scale)
+        return vdna_fail(reason, VDNA_ERR_ARG, "%s is missing",
+                         e->embedding_codes ? "frame_embedding_scale" : "frame_embedding");
+    if (!e->last_layer != !e->last_layer_scale || !e->last_layer != (e->last_layer_dim == 0))
+        return vdna_fail(reason, VDNA_ERR_ARG,
+                         "the last layer has %s, %s and %" PRIu32
+                         " numbers in a frame, expected all of it or nothing",
+                         e->last_layer ? "codes" : "no codes",
+                         e->last_layer_scale ? "scales" : "no scales", e->last_layer_dim);
+    const vdna_status status =
+        check_scales("frame_embedding_scale", e->embedding_scale, e->frames, reason);
+    return status == VDNA_OK
+               ? check_scales("frame_last_layer_scale", e->last_layer_scale, e->frames, reason)
+               : status;
 }
 
 /* Check the mass of every neuron of a tap; `first` is the first one. */
@@ -183,8 +215,8 @@ static vdna_status check_positions(const vdna_experience *e, vdna_error *reason)
 vdna_status vdna_rules_check(const vdna_experience *experience, vdna_error *reason)
 {
     static vdna_status (*const checks[])(const vdna_experience *, vdna_error *) = {
-        check_name,    check_shape, check_identity,       check_mass,     check_counts,
-        check_numbers, check_order, check_position_frame, check_positions};
+        check_name,   check_codes,   check_shape, check_identity,       check_mass,
+        check_counts, check_numbers, check_order, check_position_frame, check_positions};
     for (size_t c = 0; c < sizeof checks / sizeof *checks; c++) {
         const vdna_status status = checks[c](experience, reason);
         if (status != VDNA_OK)

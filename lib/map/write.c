@@ -13,7 +13,7 @@
 #include "position_frame.h"
 #include "rules.h"
 
-/* Room for taps, preprocessing and seven short texts with every byte escaped, plus about 100 bytes
+/* Room for taps, preprocessing and eight short texts with every byte escaped, plus about 100 bytes
  * per tensor.
  */
 #define HEADER_SIZE 12288u
@@ -74,6 +74,8 @@ static void append_metadata(header_text *text, const vdna_experience *e)
     if (strcmp(precision, VDNA_PRECISION_DEFAULT) != 0)
         append_text(text, "precision", precision);
     append_text(text, "taps", e->identity.taps);
+    if (e->identity.embedding[0] != '\0')
+        append_text(text, "embedding", e->identity.embedding);
     append_text(text, "comparable", comparable);
     if (e->frame_position)
         append_text(text, "position_frame", vdna_position_frame_of(e));

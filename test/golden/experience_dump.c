@@ -1,6 +1,6 @@
 /* The bridge for test_map.py: writes the sample experience, or prints one written by others.
  *
- *     experience_dump write FILE
+ *     experience_dump write|write-codes FILE
  *     experience_dump read FILE     a line each: the field's name, then its numbers or its text */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
@@ -23,11 +23,19 @@ static void print_signed(const char *name, const int64_t *numbers, size_t count)
     printf("\n");
 }
 
+static void print_codes(const char *name, const int8_t *codes, size_t count)
+{
+    printf("%s", name);
+    for (size_t i = 0; codes && i < count; i++)
+        printf(" %d", codes[i]);
+    printf("\n");
+}
+
 /* Nine digits tell every float from its neighbours. */
 static void print_floats(const char *name, const float *numbers, size_t count)
 {
     printf("%s", name);
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; numbers && i < count; i++)
         printf(" %.9g", (double)numbers[i]);
     printf("\n");
 }
@@ -44,9 +52,9 @@ static void print(const vdna_experience *e)
 {
     const size_t neurons = e->identity.neurons, frames = e->frames;
     printf("name %s\nbackbone %s\nmodel_sha256 %s\npreprocessing %s\ntaps %s\ncomparable %s\n"
-           "position_frame %s\norder %s\n",
+           "position_frame %s\norder %s\nembedding %s\n",
            e->name, e->identity.backbone, e->identity.model_sha256, e->identity.preprocessing,
-           e->identity.taps, e->comparable, e->position_frame, e->order);
+           e->identity.taps, e->comparable, e->position_frame, e->order, e->identity.embedding);
     print_unsigned("counts", e->counts, e->identity.bins * neurons);
     print_unsigned("mass", e->mass, neurons);
     print_floats("range", e->identity.range, 2 * neurons);
@@ -55,15 +63,20 @@ static void print(const vdna_experience *e)
     print_signed("frame_place", e->frame_place, frames);
     print_doubles("frame_position", e->frame_position, 3 * frames);
     print_floats("frame_grey", e->frame_grey, frames);
+    print_codes("frame_embedding", e->embedding_codes, frames * e->identity.dim);
+    print_floats("frame_embedding_scale", e->embedding_scale, frames);
+    print_codes("frame_last_layer", e->last_layer, frames * e->last_layer_dim);
+    print_floats("frame_last_layer_scale", e->last_layer_scale, frames);
 }
 
 int main(int argc, char **argv)
 {
     vdna_error error;
-    vdna_experience e = sample_experience();
-    const int writes = argc == 3 && strcmp(argv[1], "write") == 0;
+    const int codes = argc == 3 && strcmp(argv[1], "write-codes") == 0;
+    const int writes = codes || (argc == 3 && strcmp(argv[1], "write") == 0);
+    vdna_experience e = codes ? coded_experience() : sample_experience();
     if (!writes && (argc != 3 || strcmp(argv[1], "read") != 0)) {
-        fprintf(stderr, "usage: experience_dump write|read FILE\n");
+        fprintf(stderr, "usage: experience_dump write|write-codes|read FILE\n");
         return 2;
     }
     const vdna_status status = writes ? vdna_experience_write(&e, argv[2], &error)

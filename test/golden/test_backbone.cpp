@@ -43,8 +43,25 @@ static vdna_backbone *open_network(const char *name)
     return backbone;
 }
 
-// The largest difference between the embedding of a picture file and `expected`.
-static float distance(vdna_backbone *backbone, const std::filesystem::path &file,
+// Numbers that a network gives of a picture, beside those of the peer.
+struct Row {
+    const float *found;
+    uint32_t dim;
+};
+using RowOf = Row (*)(const vdna_backbone_frame &frame);
+
+static Row embedding(const vdna_backbone_frame &frame)
+{
+    return {frame.embedding, frame.dim};
+}
+
+static Row last_layer(const vdna_backbone_frame &frame)
+{
+    return {frame.last_layer, frame.last_layer_dim};
+}
+
+// The largest difference between a row of a picture file and `expected`.
+static float distance(vdna_backbone *backbone, const std::filesystem::path &file, RowOf row_of,
                       const float *expected, size_t count)
 {
     const std::string bytes = file_bytes(file);
@@ -55,14 +72,15 @@ static float distance(vdna_backbone *backbone, const std::filesystem::path &file
     vdna_backbone_frame frame;
     if (vdna_backbone_run(backbone, &image, &error, &frame) != VDNA_OK)
         fail_msg("%s: %s", file.c_str(), error.text);
-    assert_int_equal(frame.dim, count);
+    const Row row = row_of(frame);
+    assert_int_equal(row.dim, count);
     float largest = 0.0f;
     for (size_t i = 0; i < count; i++)
-        largest = std::fmax(largest, std::fabs(frame.embedding[i] - expected[i]));
+        largest = std::fmax(largest, std::fabs(row.found[i] - expected[i]));
     return largest;
 }
 
-static void assert_reproduced(const char *name, const std::filesystem::path &numbers,
+static void assert_reproduced(const char *name, RowOf row_of, const std::filesystem::path &numbers,
                               const std::filesystem::path &pictures)
 {
     vdna_backbone *backbone = open_network(name);
@@ -70,7 +88,7 @@ static void assert_reproduced(const char *name, const std::filesystem::path &num
     const size_t dim = expected.size() / picture_count;
     for (size_t i = 0; i < picture_count; i++) {
         const std::string file = pictures.string() + std::to_string(i) + ".png";
-        const float found = distance(backbone, file, &expected[i * dim], dim);
+        const float found = distance(backbone, file, row_of, &expected[i * dim], dim);
         std::printf("%s %s: differs by up to %.2g\n", name, file.c_str(),
                     static_cast<double>(found));
         if (!(found <= tolerance))
@@ -81,14 +99,17 @@ static void assert_reproduced(const char *name, const std::filesystem::path &num
 
 static void drawn_pictures_give_the_embeddings_of_the_python_peer(void **)
 {
-    for (const std::string name : {"efficientnet_lite0", "mobilenet_v2"})
-        assert_reproduced(name.c_str(), here / (name + ".npy"), here / "picture");
+    for (const std::string name : {"efficientnet_lite0", "mobilenet_v2"}) {
+        assert_reproduced(name.c_str(), last_layer, here / (name + ".npy"), here / "picture");
+        assert_reproduced(name.c_str(), embedding, here / (name + "_grid.npy"), here / "picture");
+    }
 }
 
 static void real_pictures_give_the_embeddings_of_the_python_peer(void **)
 {
     for (const std::string name : {"efficientnet_lite0", "mobilenet_v2"})
-        assert_reproduced(name.c_str(), shared / (name + "_embedding.npy"), shared / "g");
+        assert_reproduced(name.c_str(), last_layer, shared / (name + "_embedding.npy"),
+                          shared / "g");
 }
 
 // Real pictures if there is an argument: they are not part of the project.

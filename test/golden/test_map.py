@@ -48,6 +48,15 @@ SAMPLE = {
 }
 
 
+CODED = {name: array for name, array in SAMPLE.items() if name != "embeddings"}
+CODED |= {
+    "frame_embedding": np.array([[127, 0, 0, 0, 0], [0, 64, -64, 64, -64]], np.int8),
+    "frame_embedding_scale": np.array([0.5, 0.25], np.float32),
+    "frame_last_layer": np.array([[127, 0, -64, 1, 2, 3, 4], [-127, 3, 127, 0, 0, 9, 0]], np.int8),
+    "frame_last_layer_scale": np.array([0.5, 0], np.float32),
+}
+
+
 def spec_block(language, holding):
     """The code block of the specification that contains some text."""
     with open(SPEC, encoding="utf-8") as spec:
@@ -164,6 +173,25 @@ class Experience(unittest.TestCase):
         with safe_open(self.path, "numpy") as file:
             self.assertEqual(file.metadata()["format_version"], "2")
         self.assert_ours_reads(tensors, SAMPLE_METADATA)
+
+    def test_codes_and_a_second_embedding_are_of_version_3(self):
+        self.assertEqual(self.dump("write-codes").stderr, "")
+        written = load_file(self.path)
+        self.assertEqual(set(written), set(CODED) | {"crc32c"})
+        for name, expected in CODED.items():
+            self.assertEqual(written[name].dtype, expected.dtype, name)
+            np.testing.assert_array_equal(written[name], expected, name)
+        ours = self.read_with_ours()["comparable"]
+
+        metadata = dict(SAMPLE_METADATA, embedding="mid grid=1x5 last=top centred")
+        RECIPE["write_experience"](self.path, CODED, metadata)
+        with safe_open(self.path, "numpy") as file:
+            self.assertEqual(file.metadata()["format_version"], "3")
+        self.assert_ours_reads(CODED, metadata)
+        found = self.read_with_ours()
+        self.assertEqual(found["comparable"], ours)
+        decoded = CODED["frame_embedding"] * CODED["frame_embedding_scale"][:, None]
+        np.testing.assert_array_equal(np.float32(found["embeddings"].split()), decoded.ravel())
 
     def test_a_bit_behind_the_checksum_counts_as_well(self):
         RECIPE["write_experience"](self.path, SAMPLE, SAMPLE_METADATA)

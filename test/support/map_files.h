@@ -48,6 +48,33 @@ static inline vdna_experience sample_experience(void)
     return sample;
 }
 
+/* The same of a network with a grid for an embedding, which keeps that of its last layer as well.
+ * Codes of one byte, an odd number of them, come before the checksum. */
+static inline vdna_experience grid_experience(void)
+{
+    static const int8_t last_layer[2][7] = {{127, 0, -64, 1, 2, 3, 4}, {-127, 3, 127, 0, 0, 9, 0}};
+    static const float scale[2] = {0.5f, 0};
+    vdna_experience grid = sample_experience();
+    strcpy(grid.identity.embedding, "mid grid=1x5 last=top centred");
+    grid.last_layer = last_layer[0];
+    grid.last_layer_scale = scale;
+    grid.last_layer_dim = 7;
+    return grid;
+}
+
+/* That one with codes in place of its embeddings, which they give exactly. */
+static inline vdna_experience coded_experience(void)
+{
+    static const int8_t codes[2][5] = {{127, 0, 0, 0, 0}, {0, 64, -64, 64, -64}};
+    static const float scale[2] = {0.5f, 0.25f};
+    static const float embeddings[2][5] = {{63.5f, 0, 0, 0, 0}, {0, 16, -16, 16, -16}};
+    vdna_experience coded = grid_experience();
+    coded.embeddings = embeddings[0];
+    coded.embedding_codes = codes[0];
+    coded.embedding_scale = scale;
+    return coded;
+}
+
 /* Where a test's files are; made by make_directory(), removed with all in it by
  * remove_directory(). */
 typedef struct directory {

@@ -34,10 +34,15 @@ def write_picture(path, seed, width=48, height=32):
     path.write_bytes(b"P6\n%d %d\n255\n" % (width, height) + pixels)
 
 
+# One layer is tapped and localises: the embeddings of a file are its activations.
+PAPERS = "efficientnet_lite0_paper"
+MODELS = VDNA.parents[1] / "share/vdna/models"
+
+
 class Experience:
     """An experience file, parsed by the safetensors layout alone."""
 
-    FORMATS = {"U32": "I", "F32": "f", "F64": "d", "I64": "q"}
+    FORMATS = {"U32": "I", "F32": "f", "F64": "d", "I64": "q", "I8": "b"}
 
     def __init__(self, path):
         data = Path(path).read_bytes()
@@ -51,14 +56,14 @@ class Experience:
                                          data[8 + size + begin:8 + size + end])
             self.tensors[name] = [number for (number,) in numbers]
         self.bins, self.neurons = header["counts"]["shape"]
-        self.frames, self.dim = header["embeddings"]["shape"]
+        self.frames, self.dim = header.get("embeddings", header.get("frame_embedding"))["shape"]
 
     def row(self, neuron):
         """The counts of one neuron."""
         return self.tensors["counts"][neuron::self.neurons]
 
     def recount(self, neuron):
-        """The same counts from the embeddings, the activations of the default backbone."""
+        """The same counts from the embeddings, the activations of a PAPERS backbone."""
         lo, hi = self.tensors["range"][2 * neuron:2 * neuron + 2]
         mid, half = (lo + hi) / 2, (hi - lo) / 2
         counts = [0] * self.bins
@@ -129,7 +134,7 @@ class Build(Scratch):
     def test_counts_are_those_of_an_independent_recount(self):
         self.pictures("a", range(5))
         self.pictures("b", range(10, 13))
-        self.vdna("build", "map", "a", "b", "--bins", 50)
+        self.vdna("build", "map", "a", "b", "--bins", 50, "--backbone", PAPERS)
         for name, frames in (("a", 5), ("b", 3)):
             file = Experience(self.folder / "map" / f"{name}.vdna")
             self.assertEqual((file.frames, file.bins), (frames, 50))
@@ -138,7 +143,7 @@ class Build(Scratch):
 
     def test_ranges_contain_what_was_seen_with_a_tenth_to_spare_on_each_side(self):
         self.pictures("a", range(4))
-        self.vdna("build", "map", "a")
+        self.vdna("build", "map", "a", "--backbone", PAPERS)
         file = Experience(self.folder / "map/a.vdna")
         seen = file.tensors["embeddings"][0::file.dim]
         lo, hi = file.tensors["range"][:2]
@@ -148,7 +153,7 @@ class Build(Scratch):
 
     def test_the_rule_of_the_reference_widens_about_zero(self):
         self.pictures("a", range(4))
-        self.vdna("build", "map", "a", "--range-rule", "zero")
+        self.vdna("build", "map", "a", "--range-rule", "zero", "--backbone", PAPERS)
         file = Experience(self.folder / "map/a.vdna")
         seen = file.tensors["embeddings"][0::file.dim]
         self.assertAlmostEqual(file.tensors["range"][1], 1.2 * max(seen), places=5)
@@ -186,6 +191,64 @@ class Build(Scratch):
         self.vdna("build", "map", "a", "--force", "--backbone", "mobilenet_v2")
         file = Experience(self.folder / "map/a.vdna")
         self.assertEqual(file.metadata["backbone"], "mobilenet_v2")
+
+    def test_a_map_keeps_the_layer_of_the_paper_beside_the_grid(self):
+        self.pictures("a", range(3))
+        self.vdna("build", "map", "a")
+        self.vdna("build", "old", "a", "--backbone", PAPERS)
+        new, old = (Experience(self.folder / name / "a.vdna") for name in ("map", "old"))
+        self.assertEqual((new.dim, old.dim), (112 * 3 * 3, 1280))
+        self.assertEqual((new.metadata["format_version"], old.metadata["format_version"]),
+                         ("3", "1"))
+        self.assertEqual(new.metadata["embedding"], "feat_s16 grid=3x3 last=embedding centred")
+        self.assertNotIn("embedding", old.metadata)
+        self.assertEqual(new.tensors["counts"], old.tensors["counts"])
+        for i, scale in enumerate(new.tensors["frame_last_layer_scale"]):
+            codes = new.tensors["frame_last_layer"][1280 * i:1280 * (i + 1)]
+            values = old.tensors["embeddings"][1280 * i:1280 * (i + 1)]
+            self.assertAlmostEqual(127 * scale, max(map(abs, values)), places=5)
+            for code, value in zip(codes, values):
+                self.assertLessEqual(abs(code * scale - value), 0.5001 * scale)
+
+    def test_embeddings_stored_in_8_bits_are_those_of_floats_within_half_a_step(self):
+        self.pictures("a", range(3))
+        text = (MODELS / "efficientnet_lite0.toml").read_text()
+        text = text.replace('model = "', f'model = "{MODELS}/', 1)
+        text = text.replace("centre = true", 'centre = true\nstorage = "int8"', 1)
+        (self.folder / "int8.toml").write_text(text)
+        self.vdna("build", "floats", "a")
+        self.vdna("build", "map", "a", "--backbone", "./int8.toml")
+        told = self.vdna_json("info", "map")["experiences"][0]
+        self.assertEqual((told["storage"], told["dim"], told["last_layer_dim"]),
+                         ("int8", 1008, 1280))
+        floats, codes = (Experience(self.folder / name / "a.vdna") for name in ("floats", "map"))
+        self.assertNotIn("embeddings", codes.tensors)
+        self.assertEqual(codes.metadata["comparable"], floats.metadata["comparable"])
+        for i, value in enumerate(floats.tensors["embeddings"]):
+            scale = codes.tensors["frame_embedding_scale"][i // 1008]
+            self.assertLessEqual(abs(codes.tensors["frame_embedding"][i] * scale - value),
+                                 0.5001 * scale)
+        # Live frames of either manifest find themselves in either map.
+        for folder in ("floats", "map"):
+            for backbone in ("efficientnet_lite0", "./int8.toml"):
+                matches = self.vdna_json("localise", "a", folder, "--backbone", backbone,
+                                         "--matches")["candidates"][0]["matches"]
+                self.assertEqual([match["frame"] for match in matches], [0, 1, 2])
+
+    def test_a_map_of_one_layer_is_refused_with_both_remedies_or_used_as_it_was_made(self):
+        self.pictures("a", range(3))
+        self.vdna("build", "map", "a", "--backbone", PAPERS)
+        for command in ("localise", "rank"):
+            sentence = self.refused(command, "a", "map", "--backbone", "efficientnet_lite0")
+            self.assertIn("embedding is one whole output in one and feat_s16 grid=3x3", sentence)
+            self.assertIn("vdna build --force --backbone efficientnet_lite0", sentence)
+            self.assertIn('protocol = "paper"', sentence)
+        told = self.vdna_json("localise", "a", "map", "--matches")  # by the map's own backbone
+        self.assertEqual([match["frame"] for match in told["candidates"][0]["matches"]], [0, 1, 2])
+        # Ranges are of the taps, which are the same.
+        self.vdna("build", "new", "a", "--ranges", "map/a.vdna")
+        self.assertIn("embedding is ", self.refused("build", "map", "a", "--name", "b",
+                                                    "--backbone", "efficientnet_lite0"))
 
     def test_adding_with_another_backbone_names_the_field_and_the_remedy(self):
         self.pictures("a", range(2))

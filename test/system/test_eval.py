@@ -198,20 +198,23 @@ class Evaluation(unittest.TestCase):
         warmup = int(result["warmup"])
         references = [name for name in found.references if name != query]
         embeddings, truth = found.load("embeddings_" + query), found.truth(query)
+        # The activations of the tap, which is the last layer as in the paper.
+        tapped = {name: found.load("last_layer_" + name) for name in (query, *references)}
+        seen = [tapped[name] for name in references]
         live, live_truth = (table[warmup::result["stride"]] for table in (embeddings, truth))
         maps = [found.load("embeddings_" + name) for name in references]
         truths = [found.truth(name) for name in references]
 
         table = found.load("range_" + query)
-        np.testing.assert_allclose(table, expanded_range(maps), rtol=1e-6, atol=1e-6)
-        dna = histogram(embeddings[:warmup], table, result["bins"])
+        np.testing.assert_allclose(table, expanded_range(seen), rtol=1e-6, atol=1e-6)
+        dna = histogram(tapped[query][:warmup], table, result["bins"])
         for i, name in enumerate(references):
             where = f"{query} in {name}"
             distance = {method: rows[query][name] for method, rows in result["distance"].items()}
-            emds = emd(dna, histogram(maps[i], table, result["bins"]))
+            emds = emd(dna, histogram(seen[i], table, result["bins"]))
             np.testing.assert_allclose(found.load("emd_" + query)[i], emds, rtol=1e-9, atol=1e-12)
             np.testing.assert_allclose(distance["vdna"], emds.mean(), rtol=1e-9, err_msg=where)
-            np.testing.assert_allclose(distance["fd"], frechet(embeddings[:warmup], maps[i]),
+            np.testing.assert_allclose(distance["fd"], frechet(tapped[query][:warmup], seen[i]),
                                        rtol=1e-6, err_msg=where)
             grey = [found.load("grey_" + n).astype(np.float64) for n in (query, name)]
             self.assertAlmostEqual(distance["pixel"], abs(grey[0][:warmup].mean() - grey[1].mean()),

@@ -171,7 +171,7 @@ class Gaps(Truth):
 
     def test_the_gap_is_in_the_file_as_the_specification_says(self):
         self.pictures("a", range(3), "file,place,x,y\n000.ppm,1,2,3\n001.ppm,,,\n002.ppm,4,,\n")
-        self.vdna("build", "map", "a")
+        self.vdna("build", "map", "a", "--backbone", "efficientnet_lite0_paper")
         data = (self.folder / "map/a.vdna").read_bytes()
         size = struct.unpack_from("<Q", data)[0]
         header = json.loads(data[8:8 + size])

@@ -25,6 +25,7 @@ extern "C" {
     "efficientnet_lite0"                 /**< network of programs that are told no other */
 #define VDNA_BACKBONE_THREADS_DEFAULT 2u /**< compute threads of a network */
 #define VDNA_BACKBONE_THREADS_MAX 256u   /**< most compute threads of a network */
+#define VDNA_BACKBONE_OPERATIONS 2u      /**< version of the table of operations */
 
 /** An open network. One thread at a time, except for vdna_backbone_cancel(). */
 typedef struct vdna_backbone vdna_backbone;
@@ -57,14 +58,18 @@ typedef struct vdna_backbone_info {
     uint32_t tap_count;                    /**< >= 1 */
     uint32_t input_width;                  /**< pixels; 0 = the backbone does not show its input */
     uint32_t input_height;                 /**< pixels; as input_width */
-    uint64_t decode_bytes; /**< most memory that decoding a camera's picture of max_pixels takes
-                                after opening: MJPG, also progressive, or any raw format */
+    uint64_t decode_bytes;   /**< most memory that decoding a camera's picture of max_pixels takes
+                                  after opening: MJPG, also progressive, or any raw format */
+    uint32_t last_layer_dim; /**< numbers in the second embedding, of the last layer; 0 = none */
+    uint32_t embedding_int8; /**< 1 = experience files have embeddings as codes of vdna/int8.h, with
+                                a scale for each frame; 0 = as floats. A frame has floats always */
 } vdna_backbone_info;
 
 /** What one picture gave. All pointers are borrowed until the next call with this backbone. */
 typedef struct vdna_backbone_frame {
     const vdna_activations *taps; /**< [tap_count] */
-    const float *embedding;       /**< [dim], L2-normalised if the manifest says so */
+    const float *embedding;       /**< [dim], made as `embedding` in the identity says, not about
+                                       any mean; L2-normalised if the manifest says so */
     const float *input;           /**< [3][input_height][input_width], what the network was given;
                                        NULL if input_width is 0 */
     size_t tap_count;             /**< as in vdna_backbone_info */
@@ -73,16 +78,19 @@ typedef struct vdna_backbone_frame {
     uint32_t decode_us;           /**< time spent decoding and converting */
     uint32_t resize_us;           /**< time spent resizing and normalising */
     uint32_t inference_us;        /**< time spent in the network */
+    uint32_t last_layer_dim;      /**< as in vdna_backbone_info */
+    const float *last_layer;      /**< [last_layer_dim], the second embedding, which tells whether
+                                       a run is like any of a map's; NULL if last_layer_dim is 0 */
 } vdna_backbone_frame;
 
 /** How one kind of backbone works. None of the pointers is NULL. A state belongs to the table that
  *  opened it and may be NULL. Operations on one state are called by one thread at a time, except
  *  for `cancel`. No exception may leave one. */
 typedef struct vdna_backbone_operations {
-    uint32_t struct_size; /**< sizeof(vdna_backbone_operations). The table grows whenever it or a
-                               struct that it fills does: a larger one is refused, because it may
-                               write more than the library has room for */
-    uint32_t reserved;    /**< 0 */
+    uint32_t struct_size; /**< sizeof(vdna_backbone_operations) */
+    uint32_t version; /**< VDNA_BACKBONE_OPERATIONS, which changes whenever the table or a struct
+                           that it fills does: another one is refused, because it would write
+                           to other places than the library reads */
 
     /** Open a network. `config` is needed for this call only; its `struct_size` says how much of it
      *  there is, its fields are within their limits, and `manifest` is the plug-in's own path.
@@ -93,12 +101,13 @@ typedef struct vdna_backbone_operations {
     void (*close)(void *state);
 
     /** Describe it: `out_info` is zeroed before. The identity must pass vdna_identity_check()
-     *  without bins and range, and have as many taps as `tap_count` says. `model_sha256` is 64
+     *  without bins and range, and have as many taps as `tap_count` says. Its `embedding` is
+     *  "" if that says all: one output as it is, no mean to be subtracted. `model_sha256` is 64
      *  lower-case hexadecimal digits that no other network has: maps are refused by it. */
     void (*describe)(const void *state, vdna_backbone_info *out_info);
 
     /** Run one picture, as a camera sent it: vdna_decoder_decode() makes pixels of it. `out_frame`
-     *  is zeroed before; taps, embedding and dim must be as the identity says, what they point to
+     *  is zeroed before; taps, embeddings and their sizes must be as described, what they point to
      *  stays until the next operation. Finite values are checked by the library. Returns VDNA_OK or
      *  what is wrong, in `error` (never NULL) as one sentence: VDNA_ERR_FORMAT and
      *  VDNA_ERR_UNSUPPORTED blame the picture, all others the network. */

@@ -1,12 +1,12 @@
 /** @file vdna/identity.h
- *  @brief The identity of a Visual DNA: the network, its input, its taps, the bins.
+ *  @brief The identity of a Visual DNA: the network, its input, its taps, the bins, the embedding.
  *
  *  A distance between histograms means something only if the same network saw pictures prepared the
  *  same way and the same activations were counted in the same bins. An experience file, an open
  *  backbone and a file of ranges each carry an identity and are all compared alike.
  *
  *  A field that is not known yet (dim, bins, range) is not compared: a backbone, for instance,
- *  knows neither bins nor ranges.
+ *  knows neither bins nor ranges. The definition of the embedding is known if `dim` is.
  */
 #ifndef VDNA_IDENTITY_H
 #define VDNA_IDENTITY_H
@@ -24,7 +24,8 @@ extern "C" {
 #define VDNA_PREPROCESSING_SIZE 512u  /**< bytes of the preprocessing text, its NUL included */
 #define VDNA_PRECISION_SIZE 16u       /**< bytes of a precision, its NUL included */
 #define VDNA_TAPS_SIZE 2048u          /**< bytes of the list of taps, its NUL included */
-#define VDNA_IDENTITY_TEXT_SIZE 2688u /**< bytes of the canonical text, its NUL included */
+#define VDNA_EMBEDDING_SIZE 256u      /**< bytes of the embedding's definition, its NUL included */
+#define VDNA_IDENTITY_TEXT_SIZE 2944u /**< bytes of the canonical text, its NUL included */
 
 #define VDNA_PRECISION_DEFAULT "fp32" /**< precision of a network that states none */
 #define VDNA_NAME_ALPHABET "letters, digits, '.', '_' or '-'" /**< of names, for error messages */
@@ -45,6 +46,10 @@ typedef struct vdna_identity {
     uint32_t bins;             /**< VDNA_HIST_BINS_MIN..VDNA_HIST_BINS_MAX; 0 = not known yet */
     const float *range;        /**< [neurons][2], passes vdna_range_check(); NULL = not known yet.
                                     Borrowed; the code that fills the identity says for how long */
+    char embedding[VDNA_EMBEDDING_SIZE]; /**< how embeddings are made of the network's outputs:
+                                              words of printable ASCII characters, one blank between
+                                              two (docs/reference/SPEC-map.md). "" = one whole
+                                              output, as in all files before format 3 */
 } vdna_identity;
 
 /** One entry of a list of taps. */
@@ -56,14 +61,14 @@ typedef struct vdna_tap {
 } vdna_tap;
 
 /** Check the fields: alphabets and lengths of the texts, taps that parse and add up to `neurons`,
- *  bins and range if known.
+ *  bins and range if known, the definition of the embedding unless it is "".
  *  @param identity  any bytes
  *  @param error  names the field, what was found and what was expected; NULL = not wanted
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_MISMATCH if the taps do not add up */
 VDNA_API vdna_status vdna_identity_check(const vdna_identity *identity, vdna_error *error);
 
 /** Check that Visual DNAs of two identities may be compared: same model, preprocessing, taps,
- *  neurons, and, if known to both, dim, bins and range (by its bits).
+ *  neurons, and, if known to both, embedding, dim, bins and range (by its bits).
  *  @param a, b   texts are NUL-terminated; `range` has `neurons` rows or is NULL
  *  @param error  names the first field that differs and both values: "bins is 4 in one and 8 in the
  *                other", `one` being a. If models differ because their precision does, it names the
@@ -74,7 +79,7 @@ VDNA_API vdna_status vdna_identity_compare(const vdna_identity *a, const vdna_id
                                            vdna_error *error);
 
 /** Write the canonical text (docs/reference/SPEC-map.md): one line each for its version, model,
- *  preprocessing, taps, dim and bins.
+ *  preprocessing, taps, dim and bins, and embedding unless that is "".
  *  @param identity  passes vdna_identity_check()
  *  @param out_text  NUL-terminated
  *  @return VDNA_OK; VDNA_ERR_ARG */
@@ -93,6 +98,12 @@ VDNA_API vdna_status vdna_identity_hash(const vdna_identity *identity,
  *  @param identity  NULL gives the default
  *  @return `precision`, or VDNA_PRECISION_DEFAULT if that is empty; valid as long as `identity` */
 VDNA_API const char *vdna_identity_precision(const vdna_identity *identity);
+
+/** Tell whether embeddings are compared about a mean, which a localiser must then subtract: the
+ *  definition of the embedding ends in the word "centred".
+ *  @param identity  its `embedding` is NUL-terminated; NULL is allowed
+ *  @return 1 if so, else 0 */
+VDNA_API int vdna_identity_is_centred(const vdna_identity *identity);
 
 /** Read the next tap of a list.
  *  @param text  at first points to a list of taps; after VDNA_OK to the text after the tap;

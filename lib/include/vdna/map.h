@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-#define VDNA_MAP_FORMAT 2u         /**< version of the experience file format */
+#define VDNA_MAP_FORMAT 3u         /**< version of the experience file format */
 #define VDNA_MAP_EXTENSION ".vdna" /**< file name ending of an experience */
 #define VDNA_MAP_FILE_SIZE 256u    /**< bytes of a file's name in a map, its NUL included */
 #define VDNA_PLACE_NONE INT64_MIN  /**< place number of a frame without ground truth */
@@ -32,7 +32,7 @@ typedef struct vdna_experience {
     uint32_t frames;                   /**< >= 1 */
     const uint32_t *counts;            /**< [bins][neurons] */
     const uint32_t *mass;              /**< [neurons], sums of the counts */
-    const float *embeddings;           /**< [frames][dim], finite */
+    const float *embeddings;           /**< [frames][dim], finite: what frames are localised by */
     const int64_t *frame_utime;        /**< [frames], camera stamps in microseconds */
     const int64_t *frame_place;   /**< [frames], place numbers, VDNA_PLACE_NONE = this frame has
                                        none; NULL = not labelled with places */
@@ -50,9 +50,20 @@ typedef struct vdna_experience {
                                             them lie 6.3e6 to 6.5e6 m from the origin, else for
                                             VDNA_FRAME_LOCAL, and so does the reader of a file that
                                             says nothing */
-    char order[VDNA_ORDER_SIZE]; /**< what ordered the frames: "utime", "numbers" or "names" of
-                                      pictures, "log", "video" or "manifest"; alphabet as for names;
-                                      "" = not known */
+    char order[VDNA_ORDER_SIZE];   /**< what ordered the frames: "utime", "numbers" or "names" of
+                                        pictures, "log", "video" or "manifest"; alphabet as for names;
+                                        "" = not known */
+    const int8_t *last_layer;      /**< [frames][last_layer_dim], a second embedding of each frame:
+                                        that of the network's last layer, which tells whether a run
+                                        is like any of the map's. Codes of vdna/int8.h; NULL = not
+                                        stored */
+    const float *last_layer_scale; /**< [frames], of the codes: finite, >= 0; NULL = not stored */
+    uint32_t last_layer_dim;       /**< >= 1; 0 = not stored */
+    uint32_t reserved;             /**< 0 */
+    const int8_t *embedding_codes; /**< [frames][dim], codes of vdna/int8.h that the file has in
+                                        place of `embeddings`, which a reader decodes into memory
+                                        of the experience; NULL = the file has floats */
+    const float *embedding_scale;  /**< [frames], of the codes: finite, >= 0; NULL = no codes */
 } vdna_experience;
 
 /** Open an experience file: map it, check every byte of it, point into it.
@@ -62,7 +73,8 @@ typedef struct vdna_experience {
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_experience  holds the file, to be ended with vdna_experience_close()
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT; VDNA_ERR_CHECKSUM;
- *          VDNA_ERR_UNSUPPORTED for a newer format version or a big-endian machine */
+ *          VDNA_ERR_UNSUPPORTED for a newer format version or a big-endian machine; VDNA_ERR_NOMEM
+ *          for embeddings to be decoded */
 VDNA_API vdna_status vdna_experience_open(const char *path, vdna_error *error,
                                           vdna_experience *out_experience);
 

@@ -1,7 +1,7 @@
 /** @file vdna/vdna.h
  *  @brief Onboard experience selection: umbrella header and the conventions of the whole API.
  *
- *  Memory. The C99 part (activation, range, hist, window, emd, rank, knn, localise,
+ *  Memory. The C99 part (activation, range, hist, int8, window, emd, rank, knn, localise,
  *  select) never allocates.
  *  An object with a variable size lives in a block that the caller provides: ask
  *  `vdna_X_mem_size()`, hand the block to `vdna_X_init()`, keep it while the object is in use, and
@@ -37,6 +37,7 @@
 #include <vdna/camera_time.h>
 #include <vdna/emd.h>
 #include <vdna/hist.h>
+#include <vdna/int8.h>
 #include <vdna/knn.h>
 #include <vdna/localise.h>
 #include <vdna/range.h>

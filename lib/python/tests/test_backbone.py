@@ -78,6 +78,7 @@ def test_taps_are_samples_of_neurons_whatever_their_layout_in_the_network(tiny):
         np.testing.assert_array_equal(tap.values, PICTURE.reshape(4, 3))
         assert tap.values.flags.c_contiguous
     np.testing.assert_array_equal(frame.embedding, [11.5, 21.5, 31.5])
+    assert frame.last_layer is None
     assert frame.grey == pytest.approx(0.299 * 11.5 + 0.587 * 21.5 + 0.114 * 31.5, abs=1e-3)
 
 
@@ -88,6 +89,25 @@ def test_a_grey_picture_and_one_with_padded_rows_are_arrays_too(tiny):
     wide = np.zeros((2, 5, 3), np.uint8)
     wide[:, 1:3] = PICTURE
     np.testing.assert_array_equal(tiny.run(wide[:, 1:3]).embedding, [11.5, 21.5, 31.5])
+
+
+@needs_backbone
+def test_a_grid_is_the_embedding_and_the_last_layer_comes_beside_it(manifest):
+    text = manifest.read_text()
+    assert text.count('output = "mean"') == 1
+    grid = 'output = "map"\ngrid = [1, 2]\ncentre = true\nlast_layer = "mean"'
+    manifest.write_text(text.replace('output = "mean"', grid))
+    try:
+        backbone = libvdna.Backbone(manifest)
+    except libvdna.VdnaError as error:
+        if "ONNX Runtime cannot be loaded" in str(error):
+            pytest.skip(str(error))
+        raise
+    with backbone:
+        assert backbone.info.identity.embedding == "map grid=1x2 last=mean centred"
+        frame = backbone.run(PICTURE)
+    np.testing.assert_array_equal(frame.embedding, [11, 12, 21, 22, 31, 32])
+    np.testing.assert_array_equal(frame.last_layer, [11.5, 21.5, 31.5])
 
 
 @needs_backbone

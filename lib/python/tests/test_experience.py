@@ -38,6 +38,22 @@ def test_what_is_written_is_read_again(tmp_path):
     assert emd_mean(read.histogram, written.histogram) == 0
 
 
+def test_a_second_embedding_comes_back_within_half_a_step(tmp_path):
+    last_layer = np.array([[1, -127, 0.4], [0, 0, 0]], np.float32)
+    small_experience(embedding="mid grid=1x5 last=top centred", last_layer=last_layer).write(
+        tmp_path / "winter.vdna"
+    )
+    read = Experience.open(tmp_path / "winter.vdna")
+    assert read.identity.embedding == "mid grid=1x5 last=top centred"
+    assert read.identity.is_centred
+    np.testing.assert_array_equal(read.last_layer, [[1, -127, 0], [0, 0, 0]])
+    assert read.last_layer.dtype == np.float32
+    with pytest.raises(VdnaError, match="one whole output in one"):
+        small_experience().check_comparable(read)
+    plain = small_experience()
+    assert (plain.identity.embedding, plain.identity.is_centred, plain.last_layer) == ("", False, None)
+
+
 def test_labels_may_be_left_out(tmp_path):
     small_experience(frame_place=None, frame_position=None).write(tmp_path / "winter.vdna")
     read = Experience.open(tmp_path / "winter.vdna")
@@ -122,6 +138,7 @@ def test_a_damaged_file_is_refused(tmp_path):
         ({"frame_grey": [0, 256]}, Status.ARG),
         ({"embeddings": [[np.nan], [0]]}, Status.NONFINITE),
         ({"embeddings": np.empty((2, 0))}, Status.ARG),
+        ({"embedding": "mid\tgrid=1x5"}, Status.ARG),
     ],
 )
 def test_what_breaks_the_rules_is_not_written(changes, status, tmp_path):

@@ -142,6 +142,7 @@ static void print_map(void)
     FIELD(vdna_identity, dim);
     FIELD(vdna_identity, bins);
     FIELD(vdna_identity, range);
+    FIELD(vdna_identity, embedding);
 
     STRUCT(vdna_tap);
     FIELD(vdna_tap, name);
@@ -165,6 +166,12 @@ static void print_map(void)
     FIELD(vdna_experience, file_size);
     FIELD(vdna_experience, position_frame);
     FIELD(vdna_experience, order);
+    FIELD(vdna_experience, last_layer);
+    FIELD(vdna_experience, last_layer_scale);
+    FIELD(vdna_experience, last_layer_dim);
+    FIELD(vdna_experience, reserved);
+    FIELD(vdna_experience, embedding_codes);
+    FIELD(vdna_experience, embedding_scale);
 }
 
 static void print_backbone(void)
@@ -193,6 +200,8 @@ static void print_backbone(void)
     FIELD(vdna_backbone_info, input_width);
     FIELD(vdna_backbone_info, input_height);
     FIELD(vdna_backbone_info, decode_bytes);
+    FIELD(vdna_backbone_info, last_layer_dim);
+    FIELD(vdna_backbone_info, embedding_int8);
 
     STRUCT(vdna_backbone_frame);
     FIELD(vdna_backbone_frame, taps);
@@ -204,6 +213,8 @@ static void print_backbone(void)
     FIELD(vdna_backbone_frame, decode_us);
     FIELD(vdna_backbone_frame, resize_us);
     FIELD(vdna_backbone_frame, inference_us);
+    FIELD(vdna_backbone_frame, last_layer_dim);
+    FIELD(vdna_backbone_frame, last_layer);
 }
 
 int main(void)

@@ -38,6 +38,15 @@ static void use_positions(const vdna_experience *e)
     require(memchr(e->order, '\0', sizeof e->order) != NULL);
 }
 
+/* Codes are whole rows with their scales, and embeddings are floats however they are stored. */
+static void use_codes(const vdna_experience *e)
+{
+    require(!e->last_layer == !e->last_layer_scale && !e->last_layer == (e->last_layer_dim == 0));
+    require(!e->embedding_codes == !e->embedding_scale);
+    for (size_t i = 0; i < (size_t)e->frames * e->identity.dim; i++)
+        require(isfinite(e->embeddings[i]));
+}
+
 /* Read everything that an accepted experience points to: the reader's promises must hold. */
 static void use(const vdna_experience *e)
 {
@@ -52,6 +61,7 @@ static void use(const vdna_experience *e)
     require(vdna_experience_compare(e, e, NULL) == VDNA_OK);
     use_identity(e);
     use_positions(e);
+    use_codes(e);
 
     vdna_field fields[VDNA_FIELD_COUNT];
     vdna_layout_of(e, fields);
@@ -69,10 +79,12 @@ static void read_and_use(const unsigned char *bytes, size_t size)
     vdna_experience e;
     vdna_error reason = {""};
     const vdna_status status = vdna_read(bytes, size, &reason, &e);
-    if (status == VDNA_OK)
-        use(&e);
-    else
+    if (status != VDNA_OK) {
         require(reason.text[0] != '\0');
+        return;
+    }
+    use(&e);
+    vdna_read_free(&e);
 }
 
 /* Correct the checksum, so that the code behind it is tried as well. */
@@ -102,12 +114,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     return 0;
 }
 
-/* The sample, the same without optional fields, and with frames without ground truth. */
+/* The sample, the same without optional fields, with frames without ground truth, with a second
+ * embedding, and with codes. */
 size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
 {
     vdna_experience e = sample_experience();
-    if (index > 2)
+    if (index > 4)
         return 0;
+    if (index > 2)
+        e = index == 3 ? grid_experience() : coded_experience();
     if (index == 1) {
         e.frame_place = NULL;
         e.frame_position = NULL;

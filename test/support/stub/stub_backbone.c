@@ -80,6 +80,7 @@ const vdna_backbone_operations *vdna_backbone_plugin(void)
 {
     static const vdna_backbone_operations table = {
         .struct_size = sizeof table,
+        .version = VDNA_BACKBONE_OPERATIONS,
         .open = stub_open,
         .close = free,
         .describe = stub_describe,

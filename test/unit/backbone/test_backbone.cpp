@@ -24,6 +24,7 @@ struct Recipe {
     std::string mean = "[0, 0, 0]";
     std::string std = "[1, 1, 1]";
     std::string embedding = "mean";
+    std::string how; // further lines of [embedding]
     std::string l2_normalise = "false";
     std::string width = "2";
     std::string model = file_bytes(VDNA_TINY_NETWORK);
@@ -48,8 +49,8 @@ class TinyNetwork
                              recipe.width + "\nheight = 2\ncolour = \"" + recipe.colour +
                              "\"\nmean = " + recipe.mean + "\nstd = " + recipe.std +
                              "\nresize = \"stretch\"\ninterpolation = \"area\"\n" + recipe.taps +
-                             "[embedding]\noutput = \"" + recipe.embedding +
-                             "\"\nl2_normalise = " + recipe.l2_normalise + "\n");
+                             "[embedding]\noutput = \"" + recipe.embedding + "\"\n" + recipe.how +
+                             "l2_normalise = " + recipe.l2_normalise + "\n");
     }
 
     vdna_status open(vdna_error *error, vdna_backbone **out_backbone,
@@ -218,6 +219,63 @@ static void l2_normalisation_concerns_the_embedding_only(void **)
     vdna_backbone_describe(backbone, &info);
     assert_non_null(std::strstr(info.identity.preprocessing, "l2=1"));
     vdna_backbone_close(backbone);
+}
+
+static void a_grid_of_a_feature_map_is_the_embedding_and_the_tap_stays(void **)
+{
+    Recipe recipe;
+    recipe.embedding = "map";
+    recipe.how = "grid = [1, 2]\ncentre = true\nlast_layer = \"mean\"\nstorage = \"int8\"\n";
+    vdna_backbone *backbone = opened(recipe);
+    vdna_backbone_info info;
+    vdna_backbone_describe(backbone, &info);
+    assert_string_equal(info.identity.embedding, "map grid=1x2 last=mean centred");
+    assert_int_equal(info.identity.dim, 6);
+    assert_int_equal(info.last_layer_dim, 3);
+    assert_int_equal(info.embedding_int8, 1);
+    assert_int_equal(vdna_identity_is_centred(&info.identity), 1);
+
+    // By channel, then by column: nothing is subtracted here.
+    const vdna_backbone_frame frame = run(backbone, small);
+    assert_int_equal(frame.dim, 6);
+    assert_values(frame.embedding, {11, 12, 21, 22, 31, 32});
+    assert_values(frame.taps[0].values, {10, 11, 12, 13, 20, 21, 22, 23, 30, 31, 32, 33});
+    assert_values(frame.last_layer, {11.5f, 21.5f, 31.5f});
+    vdna_backbone_close(backbone);
+
+    // l2 normalisation comes after the means.
+    recipe.how = "grid = 1\n";
+    recipe.l2_normalise = "true";
+    recipe.mean = "[8.5, 17.5, 31.5]"; // leaves 3, 4, 0
+    backbone = opened(recipe);
+    assert_values(run(backbone, small).embedding, {0.6f, 0.8f, 0.0f});
+    assert_null(run(backbone, small).last_layer);
+    vdna_backbone_close(backbone);
+}
+
+static void a_grid_of_what_has_no_rows_and_columns_is_refused(void **)
+{
+    Recipe recipe;
+    recipe.how = "grid = 2\n";
+    for (const char *output : {"mean", "tokens"}) {
+        recipe.embedding = output;
+        assert_not_opened(recipe, VDNA_ERR_MISMATCH,
+                          "tiny.onnx: output '" + std::string(output) + "' has ");
+        assert_not_opened(recipe, VDNA_ERR_MISMATCH,
+                          "dimensions and no rows and columns; expected a feature map");
+    }
+    recipe.embedding = "map";
+    recipe.how = "grid = 3\n";
+    assert_not_opened(recipe, VDNA_ERR_MISMATCH,
+                      "output 'map' has 2x2 pixels, which 'grid' cannot divide into 3x3 cells");
+    recipe.how = "grid = [1, 3]\n";
+    assert_not_opened(recipe, VDNA_ERR_MISMATCH, "into 1x3 cells");
+    recipe.how = "last_layer = \"absent\"\n";
+    assert_not_opened(recipe, VDNA_ERR_MISMATCH, "has no output 'absent'; it has: mean, map");
+    recipe.how = "last_layer = \"tokens\"\n";
+    assert_not_opened(recipe, VDNA_ERR_MISMATCH,
+                      "output 'tokens' has 2 dimensions besides the batch; expected one, 1xN, for "
+                      "'last_layer'");
 }
 
 static void outputs_that_are_not_finite_are_refused(void **)
@@ -424,6 +482,8 @@ int main()
         cmocka_unit_test(mean_and_std_are_in_the_channel_order_of_the_network),
         cmocka_unit_test(a_larger_picture_is_averaged_down),
         cmocka_unit_test(l2_normalisation_concerns_the_embedding_only),
+        cmocka_unit_test(a_grid_of_a_feature_map_is_the_embedding_and_the_tap_stays),
+        cmocka_unit_test(a_grid_of_what_has_no_rows_and_columns_is_refused),
         cmocka_unit_test(outputs_that_are_not_finite_are_refused),
         cmocka_unit_test(a_refused_picture_leaves_the_backbone_as_it_was),
         cmocka_unit_test(a_model_other_than_the_pinned_one_is_refused),

@@ -73,8 +73,10 @@ static void every_field_is_read(void **)
     assert_int_equal(manifest.taps.size(), 2);
     assert_string_equal(manifest.taps[1].output.c_str(), "map");
     assert_int_equal(manifest.taps[1].layout, VDNA_LAYOUT_NEURONS_SAMPLES);
-    assert_string_equal(manifest.embedding.c_str(), "map");
-    assert_true(manifest.l2_normalise);
+    assert_string_equal(manifest.embedding.output.c_str(), "map");
+    assert_true(manifest.embedding.l2_normalise);
+    assert_true(!manifest.embedding.grid && !manifest.embedding.centre);
+    assert_string_equal(manifest.embedding.last_layer.c_str(), "");
 }
 
 static void the_preprocessing_has_one_canonical_text(void **)
@@ -102,6 +104,86 @@ static void a_network_is_fp32_and_an_original_unless_it_says_otherwise(void **)
     assert_refused(with(quantised, "\"int8\"", "\"int4\""), "6", "'precision' is 'int4'");
     assert_refused(with(quantised, "method", "methods"), "9", "unknown key 'methods'");
     assert_refused(with(quantised, hash, "a"), "8", "'from_sha256' must be 64");
+}
+
+// The definition of the embedding with `keys` beside the output, in a manifest that begins with
+// `first`.
+static std::string definition_of(const std::string &keys, const std::string &first = "")
+{
+    const Folder folder;
+    const std::string text = first + with(whole, "[embedding]\noutput = \"map\"",
+                                          "[embedding]\noutput = \"map\"\n" + keys);
+    return embedding_text(read_manifest(folder.write("m.toml", text)).embedding);
+}
+
+static void an_embedding_has_one_canonical_definition(void **)
+{
+    assert_string_equal(definition_of("").c_str(), "");
+    assert_string_equal(definition_of("centre = false").c_str(), "");
+    assert_string_equal(definition_of("centre = true").c_str(), "map centred");
+    assert_string_equal(definition_of("grid = 3").c_str(), "map grid=3x3");
+    assert_string_equal(definition_of("grid = [3, 1]").c_str(), "map grid=3x1");
+    assert_string_equal(definition_of("last_layer = \"mean\"").c_str(), "map last=mean");
+    assert_string_equal(
+        definition_of("centre = true\nlast_layer = \"mean\"\ngrid = [3, 3]").c_str(),
+        "map grid=3x3 last=mean centred");
+}
+
+static void how_embeddings_are_stored_is_not_part_of_their_definition(void **)
+{
+    const Folder folder;
+    const auto is_int8 = [&](const char *storage) {
+        const std::string text =
+            with(whole, "l2_normalise =", std::string(storage) + "l2_normalise =");
+        const Embedding embedding = read_manifest(folder.write("m.toml", text)).embedding;
+        assert_string_equal(embedding_text(embedding).c_str(), "");
+        return embedding.int8;
+    };
+    assert_false(is_int8(""));
+    assert_false(is_int8("storage = \"float32\"\n"));
+    assert_true(is_int8("storage = \"int8\"\n"));
+    assert_refused(with(whole, "l2_normalise =", "storage = \"int4\"\nl2_normalise ="), "23",
+                   "'storage' is 'int4'; expected: float32, int8");
+}
+
+static void the_papers_protocol_keeps_one_layer_for_both(void **)
+{
+    const Folder folder;
+    const std::string ours = with(whole, "output = \"map\"\nl2",
+                                  "output = \"map\"\ngrid = 3\ncentre = true\n"
+                                  "last_layer = \"mean\"\nl2");
+    const Manifest manifest =
+        read_manifest(folder.write("m.toml", "protocol = \"paper\"\n" + ours));
+    assert_string_equal(manifest.embedding.output.c_str(), "mean");
+    assert_true(manifest.embedding.l2_normalise);
+    assert_string_equal(embedding_text(manifest.embedding).c_str(), "");
+    // A manifest of before means the same with and without it.
+    assert_string_equal(definition_of("", "protocol = \"paper\"\n").c_str(), "");
+    assert_refused("protocol = \"paper\"\n" +
+                       with(whole, "l2_normalise =", "grid = 3\nl2_normalise ="),
+                   "22", "protocol 'paper' localises by the last layer; name its output");
+    assert_refused("protocol = \"papers\"\n" + std::string(whole), "1",
+                   "'protocol' is 'papers'; expected: paper");
+}
+
+static void a_grid_that_is_none_is_refused(void **)
+{
+    const auto refuse = [](const char *grid) {
+        assert_refused(with(whole, "l2_normalise =", std::string(grid) + "\nl2_normalise ="), "23",
+                       "'grid' must be a number of cells per side, 1 to 4096, or [rows, columns]");
+    };
+    for (const char *grid : {"grid = 0", "grid = -3", "grid = 4097", "grid = 3.0", "grid = \"3\"",
+                             "grid = []", "grid = [3]", "grid = [3, 0]", "grid = [3, 3, 3]",
+                             "grid = [0, 3]", "grid = [3, true]", "grid = [[3], 3]"})
+        refuse(grid);
+    assert_refused(with(whole, "l2_normalise =", "dims = 64\nl2_normalise ="), "23",
+                   "unknown key 'dims'; expected: output, grid, centre, last_layer");
+    assert_refused(with(whole, "l2_normalise =", "last_layer = \"a b\"\nl2_normalise ="), "23",
+                   "'last_layer' must be a name without blanks");
+    assert_refused(with(whole, "\"map\"\nl2", "\"m ap\"\nl2"), "22",
+                   "'output' must be a name without blanks");
+    assert_refused(with(whole, "l2_normalise =", "centre = 1\nl2_normalise ="), "23",
+                   "'centre' must be true or false");
 }
 
 static void an_unknown_key_is_refused_in_every_section(void **)
@@ -195,6 +277,10 @@ int main()
         cmocka_unit_test(every_field_is_read),
         cmocka_unit_test(the_preprocessing_has_one_canonical_text),
         cmocka_unit_test(a_network_is_fp32_and_an_original_unless_it_says_otherwise),
+        cmocka_unit_test(an_embedding_has_one_canonical_definition),
+        cmocka_unit_test(how_embeddings_are_stored_is_not_part_of_their_definition),
+        cmocka_unit_test(the_papers_protocol_keeps_one_layer_for_both),
+        cmocka_unit_test(a_grid_that_is_none_is_refused),
         cmocka_unit_test(an_unknown_key_is_refused_in_every_section),
         cmocka_unit_test(a_missing_key_is_told_at_its_section),
         cmocka_unit_test(a_value_of_the_wrong_type_is_told_at_its_line),

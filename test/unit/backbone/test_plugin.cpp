@@ -16,11 +16,12 @@ struct Made {
     std::string sentence;
     std::string taps = "a:2:1,b:1:2";
     std::string sha256 = std::string(64, 'a');
-    uint32_t dim = 2, tap_count = 2, input_width = 0;
+    std::string embedding;
+    uint32_t dim = 2, tap_count = 2, input_width = 0, last_layer_dim = 0;
     float numbers[4] = {1, 2, 3, 4};
     vdna_activations found[2] = {{numbers, 2, 1, VDNA_LAYOUT_SAMPLES_NEURONS},
                                  {numbers + 2, 1, 2, VDNA_LAYOUT_SAMPLES_NEURONS}};
-    vdna_backbone_frame frame = {found, numbers, nullptr, 2, 2, 17.0f, 1, 2, 3};
+    vdna_backbone_frame frame = {found, numbers, nullptr, 2, 2, 17.0f, 1, 2, 3, 0, nullptr};
     // What was done to it.
     vdna_backbone_config config{};
     int opened = 0, closed = 0, runs = 0, cancelled = 0;
@@ -63,11 +64,13 @@ static void made_describe(const void *, vdna_backbone_info *out_info)
     std::strcpy(identity.model_sha256, made->sha256.c_str());
     std::strcpy(identity.preprocessing, "none");
     std::strcpy(identity.taps, made->taps.c_str());
+    std::strcpy(identity.embedding, made->embedding.c_str());
     identity.neurons = 3;
     identity.dim = made->dim;
     identity.bins = 7;
     out_info->tap_count = made->tap_count;
     out_info->input_width = made->input_width;
+    out_info->last_layer_dim = made->last_layer_dim;
     std::memset(out_info->runtime, 'r', sizeof out_info->runtime);
 }
 
@@ -87,8 +90,9 @@ static void made_cancel(void *)
     made->cancelled++;
 }
 
-static const vdna_backbone_operations table = {sizeof table,  0,        made_open,  made_close,
-                                               made_describe, made_run, made_cancel};
+static const vdna_backbone_operations table = {
+    sizeof table, VDNA_BACKBONE_OPERATIONS, made_open, made_close, made_describe, made_run,
+    made_cancel};
 
 static const vdna_image image = {};
 
@@ -161,6 +165,11 @@ static void a_table_that_is_none_is_refused(void **)
         assert_int_equal(open_made(&error, &backbone, &other), VDNA_ERR_UNSUPPORTED);
         assert_says(error, "has " + std::to_string(size) + " bytes, expected ");
     }
+    vdna_backbone_operations old = table; // of the time before there was a version
+    old.version = 0;
+    assert_int_equal(open_made(&error, &backbone, &old), VDNA_ERR_UNSUPPORTED);
+    assert_says(error, " bytes of version 0, expected ");
+    assert_says(error, " bytes of version 2; build it with the vdna/backbone.h of this version");
     const auto refuse_without = [&](auto member, const char *name) {
         vdna_backbone_operations other = table;
         other.*member = nullptr;
@@ -218,6 +227,8 @@ static void a_description_that_no_map_could_carry_is_refused(void **)
     assert_not_described("tap_count is 1, expected as many as in taps");
     made->dim = 0;
     assert_not_described("dim is 0");
+    made->embedding = "levels\n";
+    assert_not_described("embedding has a character that is not allowed");
     made->input_width = 8;
     assert_not_described("input_height is 0");
 }
@@ -259,6 +270,33 @@ static void a_frame_other_than_described_is_refused(void **)
     assert_not_run(backbone, VDNA_ERR_MISMATCH, "the grey level 256");
     made->numbers[3] = std::numeric_limits<float>::quiet_NaN();
     made->frame.embedding = made->numbers;
+    assert_not_run(backbone, VDNA_ERR_NONFINITE, "backbone made: gave a NaN or an infinity");
+    vdna_backbone_close(backbone);
+}
+
+static void a_plugin_may_give_a_second_embedding(void **)
+{
+    made->embedding = "levels centred";
+    made->last_layer_dim = made->frame.last_layer_dim = 3;
+    made->frame.last_layer = made->numbers;
+    vdna_backbone *backbone = opened();
+    vdna_backbone_info info;
+    vdna_backbone_describe(backbone, &info);
+    assert_string_equal(info.identity.embedding, "levels centred");
+    assert_int_equal(info.last_layer_dim, 3);
+    vdna_backbone_frame frame = {};
+    assert_int_equal(vdna_backbone_run(backbone, &image, nullptr, &frame), VDNA_OK);
+    assert_ptr_equal(frame.last_layer, made->numbers);
+
+    // make_anew() takes it away again.
+    made->frame.last_layer = nullptr;
+    assert_not_run(backbone, VDNA_ERR_MISMATCH, "gave a last layer of 0 numbers, expected 3");
+    made->frame.last_layer = made->numbers;
+    made->frame.last_layer_dim = 2;
+    assert_not_run(backbone, VDNA_ERR_MISMATCH, "gave a last layer of 2 numbers, expected 3");
+    const float infinite[] = {1, 2, std::numeric_limits<float>::infinity()};
+    made->frame.last_layer = infinite;
+    made->frame.last_layer_dim = 3;
     assert_not_run(backbone, VDNA_ERR_NONFINITE, "backbone made: gave a NaN or an infinity");
     vdna_backbone_close(backbone);
 }
@@ -347,6 +385,7 @@ int main()
         WITH_MADE(what_open_refuses_is_handed_on),
         WITH_MADE(a_description_that_no_map_could_carry_is_refused),
         WITH_MADE(a_frame_other_than_described_is_refused),
+        WITH_MADE(a_plugin_may_give_a_second_embedding),
         WITH_MADE(what_run_refuses_is_handed_on),
         WITH_MADE(no_run_follows_a_cancel),
         cmocka_unit_test(a_path_to_a_shared_library_loads_a_plugin),

@@ -60,6 +60,11 @@ static void a_text_that_breaks_its_alphabet_is_refused_by_name(void **state)
     strcpy(i.precision, "int 8");
     assert_refused(&i, VDNA_ERR_ARG, "precision has a character");
     i = sample;
+    strcpy(i.embedding, "map\tgrid=3x3");
+    assert_refused(&i, VDNA_ERR_ARG, "embedding has a character that is not allowed");
+    memset(i.embedding, 'e', sizeof i.embedding);
+    assert_refused(&i, VDNA_ERR_ARG, "embedding is too long, expected 1 to 255 printable");
+    i = sample;
     i.taps[0] = '\0';
     assert_refused(&i, VDNA_ERR_ARG, "taps is empty");
     i = sample;
@@ -188,6 +193,40 @@ static void long_values_are_shown_from_where_they_differ(void **state)
     assert_differ(&a, &b, sentence);
 }
 
+static void embeddings_that_are_made_differently_do_not_compare(void **state)
+{
+    (void)state;
+    vdna_identity grid = sample, bands = sample, plain = sample;
+    strcpy(grid.embedding, "map grid=3x3 last=mean centred");
+    strcpy(bands.embedding, "map grid=3x1 last=mean centred");
+    bands.dim = 6; /* explained by the definition */
+    assert_differ(&grid, &bands,
+                  "embedding is map grid=3x3 last=mean centred in one and map grid=3x1 last=mean"
+                  " centred in the other");
+    assert_differ(&plain, &grid,
+                  "embedding is one whole output in one and map grid=3x3 last=mean centred in the"
+                  " other");
+    /* Not known without the size: to a file of ranges, for instance. */
+    plain.dim = 0;
+    assert_int_equal(vdna_identity_compare(&plain, &grid, NULL), VDNA_OK);
+    assert_int_equal(vdna_identity_compare(&grid, &plain, NULL), VDNA_OK);
+}
+
+static void the_last_word_says_whether_embeddings_are_centred(void **state)
+{
+    (void)state;
+    static const char *const no[] = {"",         "map",           "map grid=3x3",        "centred",
+                                     " centred", "map uncentred", "map centred grid=3x3"};
+    vdna_identity i = sample;
+    for (size_t n = 0; n < sizeof no / sizeof *no; n++) {
+        strcpy(i.embedding, no[n]);
+        assert_int_equal(vdna_identity_is_centred(&i), 0);
+    }
+    strcpy(i.embedding, "map grid=3x3 centred");
+    assert_int_equal(vdna_identity_is_centred(&i), 1);
+    assert_int_equal(vdna_identity_is_centred(NULL), 0);
+}
+
 static void a_field_unknown_to_one_side_is_not_compared(void **state)
 {
     (void)state;
@@ -208,6 +247,12 @@ static void the_text_has_a_line_for_each_field(void **state)
     assert_int_equal(vdna_identity_text(&sample, text), VDNA_OK);
     assert_string_equal(text, "vdna-comparable 1\n" SHA256 "\n"
                               "rgb 8x8 \"area\" mean=0 std=1 \\\nmid:2:4,top:1:1\n5\n4\n");
+    vdna_identity defined = sample;
+    strcpy(defined.embedding, "map grid=3x3 centred");
+    assert_int_equal(vdna_identity_text(&defined, text), VDNA_OK);
+    assert_string_equal(text, "vdna-comparable 2\n" SHA256 "\n"
+                              "rgb 8x8 \"area\" mean=0 std=1 \\\nmid:2:4,top:1:1\n5\n4\n"
+                              "map grid=3x3 centred\n");
     assert_int_equal(vdna_identity_text(NULL, text), VDNA_ERR_ARG);
     assert_int_equal(vdna_identity_text(&sample, NULL), VDNA_ERR_ARG);
 }
@@ -220,9 +265,10 @@ static void the_longest_identity_has_room_in_its_text(void **state)
     memset(longest.preprocessing, 'p', sizeof longest.preprocessing - 1);
     memset(longest.taps, 't', sizeof longest.taps - 1);
     longest.dim = longest.bins = UINT32_MAX;
+    memset(longest.embedding, 'e', sizeof longest.embedding - 1);
     assert_int_equal(vdna_identity_text(&longest, text), VDNA_OK);
-    const char end[] = "t\n4294967295\n4294967295\n";
-    assert_int_equal(strlen(text), 18 + 65 + 512 + 2048 + 11 + 11);
+    const char end[] = "e\n";
+    assert_int_equal(strlen(text), 18 + 65 + 512 + 2048 + 11 + 11 + 256);
     assert_string_equal(text + strlen(text) - strlen(end), end);
 }
 
@@ -398,6 +444,8 @@ int main(void)
         cmocka_unit_test(a_comparison_names_the_first_difference_and_both_values),
         cmocka_unit_test(a_precision_that_explains_different_models_is_reported_instead),
         cmocka_unit_test(long_values_are_shown_from_where_they_differ),
+        cmocka_unit_test(embeddings_that_are_made_differently_do_not_compare),
+        cmocka_unit_test(the_last_word_says_whether_embeddings_are_centred),
         cmocka_unit_test(a_field_unknown_to_one_side_is_not_compared),
         cmocka_unit_test(the_text_has_a_line_for_each_field),
         cmocka_unit_test(the_longest_identity_has_room_in_its_text),

@@ -331,12 +331,124 @@ static void frames_may_lack_the_truth_that_others_have_since_version_2(void **st
     vdna_experience_close(&e);
 }
 
+/* Put an experience's file in place of the sample's. */
+static void load(file *f, vdna_experience e)
+{
+    const char *path = path_in(&f->directory, "other");
+    assert_int_equal(vdna_experience_write(&e, path, NULL), VDNA_OK);
+    f->size = load_file(path, f->bytes, sizeof f->bytes);
+}
+
+static void a_second_embedding_is_kept_since_version_3(void **state)
+{
+    file f = *(const file *)*state;
+    const vdna_experience grid = grid_experience();
+    vdna_experience e;
+    load(&f, grid);
+    assert_int_equal(open_bytes(&f, NULL, &e), VDNA_OK);
+    assert_string_equal(e.identity.embedding, "mid grid=1x5 last=top centred");
+    assert_int_equal(e.last_layer_dim, 7);
+    assert_memory_equal(e.last_layer, grid.last_layer, 2 * 7);
+    assert_memory_equal(e.last_layer_scale, grid.last_layer_scale, 2 * sizeof(float));
+    assert_null(e.embedding_codes);
+    assert_non_null(strstr((const char *)e.file_bytes + 8, "\"format_version\":\"3\""));
+    vdna_experience_close(&e);
+
+    /* It alone is enough, and a definition without it. */
+    vdna_experience either = grid;
+    either.identity.embedding[0] = '\0';
+    load(&f, either);
+    assert_non_null(strstr((const char *)f.bytes + 8, "\"format_version\":\"3\""));
+    either = sample_experience();
+    strcpy(either.identity.embedding, "mid grid=1x5");
+    load(&f, either);
+    assert_non_null(strstr((const char *)f.bytes + 8, "\"format_version\":\"3\""));
+
+    /* Without either it is an older file, and says nothing of it. */
+    assert_int_equal(vdna_experience_open(path_in(&f.directory, "sample"), NULL, &e), VDNA_OK);
+    assert_string_equal(e.identity.embedding, "");
+    assert_true(!e.last_layer && !e.last_layer_scale && e.last_layer_dim == 0);
+    vdna_experience_close(&e);
+}
+
+static void embeddings_stored_as_codes_are_read_as_floats(void **state)
+{
+    file f = *(const file *)*state;
+    const vdna_experience coded = coded_experience();
+    vdna_experience e;
+    load(&f, coded);
+    assert_int_equal(open_bytes(&f, NULL, &e), VDNA_OK);
+    assert_int_equal(e.identity.dim, 5);
+    assert_memory_equal(e.embeddings, coded.embeddings, 2 * 5 * sizeof(float));
+    assert_memory_equal(e.embedding_codes, coded.embedding_codes, 2 * 5);
+    assert_memory_equal(e.embedding_scale, coded.embedding_scale, 2 * sizeof(float));
+    const char *const header = (const char *)e.file_bytes + 8;
+    assert_null(strstr(header, "\"embeddings\""));
+    assert_non_null(strstr(header, "\"format_version\":\"3\""));
+    vdna_experience_close(&e);
+    assert_null(e.embeddings);
+
+    /* They compare with those that are stored as floats, and codes alone make version 3. */
+    const vdna_experience grid = grid_experience();
+    assert_int_equal(vdna_experience_compare(&coded, &grid, NULL), VDNA_OK);
+    vdna_experience plain = coded_experience();
+    plain.identity.embedding[0] = '\0';
+    plain.last_layer = NULL;
+    plain.last_layer_scale = NULL;
+    plain.last_layer_dim = 0;
+    load(&f, plain);
+    assert_int_equal(open_bytes(&f, NULL, &e), VDNA_OK);
+    assert_non_null(strstr((const char *)e.file_bytes + 8, "\"format_version\":\"3\""));
+    vdna_experience_close(&e);
+}
+
+static void codes_that_break_a_rule_are_refused(void **state)
+{
+    static const struct {
+        const char *from, *to, *reason;
+    } edits[] = {
+        {"\"frame_last_layer\":", "\"acme_last_layer\":", "the last layer has no codes, scales"},
+        {"\"frame_last_layer_scale\":", "\"acme_last_layer_scale\":",
+         "the last layer has codes, no scales and 7 numbers"},
+        {"\"shape\":[2,7]", "\"shape\":[7,2]", "tensor frame_last_layer has a dtype or shape"},
+        {"\"shape\":[2,7]", "\"shape\":[14]", "tensor frame_last_layer has a shape"},
+        {"\"frame_last_layer\":{\"dtype\":\"I8\"", "\"frame_last_layer\":{\"dtype\":\"U8\"",
+         "tensor frame_last_layer has a dtype"},
+        {"\"frame_embedding\":", "\"acme_embedding\":", "tensor embeddings is missing"},
+        {"\"frame_embedding_scale\":", "\"acme_embedding_scale\":",
+         "frame_embedding_scale is missing"},
+        {"mid grid", "mid\\tgrid", "embedding has a character"},
+        {"mid grid=1x5", "mid grid=" SAMPLE_SHA256 SAMPLE_SHA256 SAMPLE_SHA256 SAMPLE_SHA256,
+         "embedding in __metadata__ is too long, expected at most 255 bytes"},
+        {"mid grid=1x5 last=top centred", "mid grid=1x5 last=top", "comparable is not"},
+    };
+    const float nan = NAN, infinity = INFINITY, negative = -1, huge = 3e38f;
+    file coded = *(const file *)*state;
+    load(&coded, coded_experience());
+    for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
+        file f = coded;
+        edit_header(&f, edits[i].from, edits[i].to);
+        assert_refused(&f, VDNA_ERR_FORMAT, edits[i].reason);
+    }
+    static const char *const scales[] = {"frame_embedding_scale", "frame_last_layer_scale"};
+    const float *const bad[] = {&nan, &infinity, &negative};
+    for (size_t i = 0; i < 6; i++) {
+        file f = coded;
+        char reason[64];
+        snprintf(reason, sizeof reason, "%s of frame 1 is ", scales[i % 2]);
+        edit_data(&f, scales[i % 2], 1, bad[i / 2], 4);
+        assert_refused(&f, VDNA_ERR_FORMAT, reason);
+    }
+    edit_data(&coded, "frame_embedding_scale", 0, &huge, 4);
+    assert_refused(&coded, VDNA_ERR_FORMAT, "the embedding of frame 0 has a NaN or an infinity");
+}
+
 static void a_newer_format_version_is_unsupported_and_says_what_to_do(void **state)
 {
     file f = *(const file *)*state;
-    edit_header(&f, "\"format_version\":\"1\"", "\"format_version\":\"3\"");
+    edit_header(&f, "\"format_version\":\"1\"", "\"format_version\":\"4\"");
     assert_refused(&f, VDNA_ERR_UNSUPPORTED, "update this program");
-    edit_header(&f, "\"format_version\":\"3\"", "\"format_version\":\"10\"");
+    edit_header(&f, "\"format_version\":\"4\"", "\"format_version\":\"10\"");
     assert_refused(&f, VDNA_ERR_UNSUPPORTED, "version 10 is newer");
 }
 
@@ -357,6 +469,8 @@ static void metadata_that_breaks_a_rule_is_refused(void **state)
         {"\"preprocessing\":", "\"pre\":", "preprocessing in __metadata__ is missing"},
         {"\"taps\":", "\"tap\":", "taps in __metadata__ is missing"},
         {"\"comparable\":", "\"same\":", "comparable in __metadata__ is missing"},
+        {"\"taps\":", "\"precision\":\"0123456789abcdef\",\"taps\":",
+         "precision in __metadata__ is too long"},
         {"winter", "", "name is empty"},
         {"\"taps\":", "\"precision\":\"" SAMPLE_SHA256 "\",\"taps\":",
          "precision in __metadata__ is too long"},
@@ -716,6 +830,9 @@ int main(void)
         CASE(positions_near_the_surface_of_the_earth_are_of_gps_if_nothing_is_said),
         CASE(a_file_that_does_not_say_the_frame_is_read_as_before),
         CASE(frames_may_lack_the_truth_that_others_have_since_version_2),
+        CASE(a_second_embedding_is_kept_since_version_3),
+        CASE(embeddings_stored_as_codes_are_read_as_floats),
+        CASE(codes_that_break_a_rule_are_refused),
         CASE(a_newer_format_version_is_unsupported_and_says_what_to_do),
         CASE(metadata_that_breaks_a_rule_is_refused),
         CASE(a_tensor_that_breaks_a_rule_is_refused),

@@ -144,6 +144,7 @@ static void a_comparison_names_the_first_field_that_differs(void **state)
         {sample, "preprocessing is "},
         {sample, "taps is mid:2:4,top:1:1 in one and top:3:1 in the other"},
         {sample, "neurons is 3 in one and 2 in"},
+        {sample, "embedding is one whole output in one and mid grid=1x5 in the other"},
         {sample, "dim is 5 in one and 4 in"},
         {sample, "bins is 4 in one and 8 in"},
         {sample, "range of neuron 2 is -2.5..2.5 in one and -2.5..2.75 in"},
@@ -153,9 +154,10 @@ static void a_comparison_names_the_first_field_that_differs(void **state)
     strcpy(cases[2].other.identity.preprocessing, "other");
     strcpy(cases[3].other.identity.taps, "top:3:1");
     cases[4].other.identity.neurons = 2;
-    cases[5].other.identity.dim = 4;
-    cases[6].other.identity.bins = 8;
-    cases[7].other.identity.range = range;
+    strcpy(cases[5].other.identity.embedding, "mid grid=1x5");
+    cases[6].other.identity.dim = 4;
+    cases[7].other.identity.bins = 8;
+    cases[8].other.identity.range = range;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         vdna_error error = {""};
         assert_int_equal(vdna_experience_compare(&sample, &cases[i].other, &error),
@@ -440,14 +442,15 @@ static void a_call_that_is_refused_while_a_map_is_read_is_an_error(void **state)
         {"readdir", EIO, VDNA_ERR_IO, ": cannot read the directory: Input/output error"},
         {"openat", EMFILE, VDNA_ERR_IO, ": cannot open: Too many open files"},
         {"fstat", EIO, VDNA_ERR_IO, ": cannot examine: Input/output error"},
-        {"malloc", ENOMEM, VDNA_ERR_NOMEM, "no memory left"},
+        {"malloc", ENOMEM, VDNA_ERR_NOMEM, "no memory"},
         {"realloc", ENOMEM, VDNA_ERR_NOMEM, "no memory left"},
     };
     static const char *const names[] = {"night"};
     const directory *made = *state;
-    write_as(made, "a.vdna", "a", sample_experience());
-    write_as(made, "b.vdna", "b", sample_experience());
-    write_as(made, "night.vdna.staged", "night", sample_experience());
+    /* Files of codes take memory besides their pages. */
+    write_as(made, "a.vdna", "a", coded_experience());
+    write_as(made, "b.vdna", "b", coded_experience());
+    write_as(made, "night.vdna.staged", "night", coded_experience());
     interrupt(made, names, 1);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         unsigned errors = 0;

@@ -77,6 +77,22 @@ static void an_experience_that_breaks_a_rule_is_not_written(void **state)
     e = sample;
     e.frame_grey = dark;
     assert_not_written(*state, &e, VDNA_ERR_NONFINITE, "the grey level of frame 0");
+    e = grid_experience();
+    e.last_layer = NULL;
+    assert_not_written(*state, &e, VDNA_ERR_ARG,
+                       "the last layer has no codes, scales and 7 numbers in a frame");
+    e = grid_experience();
+    e.last_layer_dim = 0;
+    assert_not_written(*state, &e, VDNA_ERR_ARG, "the last layer has codes, scales and 0 numbers");
+    e = coded_experience();
+    e.embedding_scale = NULL;
+    assert_not_written(*state, &e, VDNA_ERR_ARG, "frame_embedding_scale is missing");
+    e = coded_experience();
+    e.embedding_codes = NULL;
+    assert_not_written(*state, &e, VDNA_ERR_ARG, "frame_embedding is missing");
+    e = sample;
+    e.embeddings = NULL;
+    assert_not_written(*state, &e, VDNA_ERR_ARG, "embeddings is missing");
     assert_int_equal(vdna_experience_write(NULL, "x", NULL), VDNA_ERR_ARG);
     assert_int_equal(vdna_experience_write(&sample, NULL, NULL), VDNA_ERR_ARG);
 }

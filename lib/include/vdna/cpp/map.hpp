@@ -68,10 +68,19 @@ class Map
                         why.text +
                         "; use the map's backbone, or rebuild the map with `vdna build --force "
                         "--backbone " +
-                        backbone.identity.backbone + "`");
+                        backbone.identity.backbone + "`" + as_it_was_made(map, backbone.identity));
     }
 
   private:
+    // A map of one layer for both is all that a manifest of the paper's protocol gives.
+    static const char *as_it_was_made(const vdna_identity &map, const vdna_identity &backbone)
+    {
+        return map.embedding[0] == '\0' && backbone.embedding[0] != '\0'
+                   ? ", or localise in it as it was made: protocol = \"paper\" in the backbone's "
+                     "manifest"
+                   : "";
+    }
+
     std::string directory_;
     std::vector<vdna_experience> experiences_;
 };

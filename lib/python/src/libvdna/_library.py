@@ -210,6 +210,7 @@ class IdentityFields(Structure):
         ("dim", c_uint32),
         ("bins", c_uint32),
         ("range", c_void_p),
+        ("embedding", c_char * 256),
     ]
 
 
@@ -239,6 +240,12 @@ class ExperienceFile(Structure):
         ("file_size", c_size_t),
         ("position_frame", c_char * 64),
         ("order", c_char * 32),
+        ("last_layer", c_void_p),
+        ("last_layer_scale", c_void_p),
+        ("last_layer_dim", c_uint32),
+        ("reserved", c_uint32),
+        ("embedding_codes", c_void_p),
+        ("embedding_scale", c_void_p),
     ]
 
 
@@ -273,6 +280,8 @@ class BackboneFields(Structure):
         ("input_width", c_uint32),
         ("input_height", c_uint32),
         ("decode_bytes", c_uint64),
+        ("last_layer_dim", c_uint32),
+        ("embedding_int8", c_uint32),
     ]
 
 
@@ -287,6 +296,8 @@ class BackboneOutput(Structure):
         ("decode_us", c_uint32),
         ("resize_us", c_uint32),
         ("inference_us", c_uint32),
+        ("last_layer_dim", c_uint32),
+        ("last_layer", c_void_p),
     ]
 
 
@@ -343,6 +354,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         ),
         "vdna_identity_text": (POINTER(IdentityFields), address),
         "vdna_identity_hash": (POINTER(IdentityFields), address),
+        "vdna_int8_encode": (address, size, address, address),
         "vdna_taps_append": (address, size, POINTER(TapFields)),
         "vdna_experience_open": (path, POINTER(Error), POINTER(ExperienceFile)),
         "vdna_experience_write": (POINTER(ExperienceFile), path, POINTER(Error)),
@@ -395,6 +407,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_select_restarts": (c_uint64, (address,)),
         "vdna_select_time": (POINTER(CameraTime), (address,)),
         "vdna_identity_precision": (c_char_p, (POINTER(IdentityFields),)),
+        "vdna_identity_is_centred": (c_int32, (POINTER(IdentityFields),)),
         # Its refusals are the end of a list.
         "vdna_taps_next": (c_int32, (POINTER(c_void_p), POINTER(TapFields))),
         "vdna_name_replace": (None, (address,)),

@@ -55,9 +55,11 @@ class BackboneFrame(NamedTuple):
     taps: List[NamedTap]
     """In the order of the neurons."""
     embedding: NDArray[np.float32]
-    """float32 [dim]."""
+    """float32 [dim]: what frames are localised by."""
     grey: float
     """Mean grey level of the whole picture, 0 to 255."""
+    last_layer: Optional[NDArray[np.float32]]
+    """float32 [its own size]: a second embedding, of the last layer; None if there is none."""
 
 
 class Backbone:
@@ -134,6 +136,7 @@ class Backbone:
             [NamedTap(name, _values_of(tap)) for name, tap in zip(self._tap_names, taps)],
             view(self, output.embedding, (output.dim,), np.float32).copy(),
             float(output.grey),
+            _copied(output.last_layer, output.last_layer_dim),
         )
 
     def cancel(self) -> None:
@@ -156,6 +159,10 @@ class Backbone:
     def __del__(self) -> None:
         if hasattr(self, "_library"):
             self.close()
+
+
+def _copied(address: Optional[int], count: int) -> Optional[NDArray[np.float32]]:
+    return None if address is None else view(None, address, (count,), np.float32).copy()
 
 
 def _text(value: Union[str, "os.PathLike[str]"], what: str) -> bytes:

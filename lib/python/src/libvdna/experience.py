@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from ctypes import c_uint32
-from typing import Any, List, Optional, Union
+from typing import Any, List, Optional, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -55,6 +55,8 @@ class Experience:
     _frame_grey: NDArray[np.float32]
     _frame_place: Optional[NDArray[np.int64]]
     _frame_position: Optional[NDArray[np.float64]]
+    _last_layer: Optional[NDArray[np.int8]]
+    _last_layer_scale: Optional[NDArray[np.float32]]
 
     def __init__(
         self,
@@ -73,6 +75,8 @@ class Experience:
         precision: str = "fp32",
         position_frame: str = "",
         order: str = "",
+        embedding: str = "",
+        last_layer: Optional[ArrayLike] = None,
     ) -> None:
         """An experience to write(). Arrays of the stated dtypes are not copied.
 
@@ -94,6 +98,9 @@ class Experience:
                         from its centre, else "local"
         order: what ordered the frames: "utime", "numbers", "names", "log", "video", "manifest"; "":
                not known
+        embedding: how `embeddings` are made of the network's outputs, as in Identity
+        last_layer: float32 [frames][its own size], a second embedding of each frame, that of the
+                    network's last layer; the file has 8-bit codes with a scale for each frame
         """
         self._histogram = histogram
         self._embeddings = shaped(floats(embeddings, "embeddings"), ("frames", "dim"), "embeddings")
@@ -109,6 +116,11 @@ class Experience:
             position = floats(frame_position, "frame_position", np.float64)
             self._frame_position = shaped(position, (frames, 3), "frame_position")
 
+        self._last_layer = self._last_layer_scale = None
+        if last_layer is not None:
+            values = shaped(floats(last_layer, "last_layer"), (frames, "numbers"), "last_layer")
+            self._last_layer, self._last_layer_scale = _encoded(values)
+
         dna = view_of(histogram)
         self._owner = None
         self._file = ExperienceFile(
@@ -123,6 +135,7 @@ class Experience:
                 dim=integer(dim, "dim", 0, UINT32_MAX),
                 bins=dna.bins,
                 range=dna.range,
+                embedding=embedding,
             ),
             frames=integer(frames, "the number of frames", 0, UINT32_MAX),
             counts=dna.counts,
@@ -134,6 +147,9 @@ class Experience:
             frame_grey=self._frame_grey.ctypes.data,
             position_frame=text_field(position_frame, "position_frame", NAME_SIZE),
             order=text_field(order, "order", ORDER_SIZE),
+            last_layer=_address(self._last_layer),
+            last_layer_scale=_address(self._last_layer_scale),
+            last_layer_dim=0 if self._last_layer is None else self._last_layer.shape[1],
         )
 
     @classmethod
@@ -163,6 +179,8 @@ class Experience:
         self._frame_grey = array(file.frame_grey, np.float32)
         self._frame_place = array(file.frame_place, np.int64)
         self._frame_position = array(file.frame_position, np.float64, 3)
+        self._last_layer = array(file.last_layer, np.int8, file.last_layer_dim)
+        self._last_layer_scale = array(file.last_layer_scale, np.float32)
         return self
 
     def write(self, path: Path) -> None:
@@ -241,8 +259,16 @@ class Experience:
 
     @property
     def embeddings(self) -> NDArray[np.float32]:
-        """[frames][dim]: one descriptor for each frame."""
+        """[frames][dim]: what frames are localised by."""
         return self._embeddings
+
+    @property
+    def last_layer(self) -> Optional[NDArray[np.float32]]:
+        """[frames][its own size]: a second embedding of each frame, that of the network's last
+        layer, decoded at each call; None if there is none."""
+        if self._last_layer is None or self._last_layer_scale is None:
+            return None
+        return self._last_layer * self._last_layer_scale[:, None]
 
     @property
     def frame_utime(self) -> NDArray[np.int64]:
@@ -275,6 +301,17 @@ class Experience:
     def order(self) -> str:
         """What ordered the frames, such as "utime" or "numbers"; "" if that is not known."""
         return str(self._file.order.decode())
+
+
+def _encoded(values: NDArray[np.float32]) -> Tuple[NDArray[np.int8], NDArray[np.float32]]:
+    """The codes of vdna/int8.h for each row, and the rows' scales.
+
+    VdnaError: NONFINITE for a NaN or an infinity, ARG for rows of no numbers
+    """
+    codes, scales = np.empty(values.shape, np.int8), np.empty(len(values), np.float32)
+    for row, of_row, scale in zip(values, codes, scales.reshape(-1, 1)):
+        lib.vdna_int8_encode(row.ctypes.data, row.size, of_row.ctypes.data, scale.ctypes.data)
+    return codes, scales
 
 
 def _address(array: Optional[NDArray[Any]]) -> Optional[int]:

@@ -16,7 +16,8 @@ _SHA256_SIZE = 65
 _PREPROCESSING_SIZE = 512
 _PRECISION_SIZE = 16
 _TAPS_SIZE = 2048
-_TEXT_SIZE = 2688
+_EMBEDDING_SIZE = 256
+_TEXT_SIZE = 2944
 
 
 def text_field(value: str, what: str, size: int) -> bytes:
@@ -92,6 +93,7 @@ def identity_fields(
     dim: int,
     bins: int,
     range: Optional[int],
+    embedding: str,
 ) -> IdentityFields:
     """The C struct; 0 and None stand for what is not known yet. Checked for what fits alone."""
     return IdentityFields(
@@ -104,13 +106,15 @@ def identity_fields(
         dim=dim,
         bins=bins,
         range=range,
+        embedding=text_field(embedding, "embedding", _EMBEDDING_SIZE),
     )
 
 
 class Identity:
     """Everything that must agree for two Visual DNAs to be compared.
 
-    What is not known yet (dim, bins, range) is None, and is not compared.
+    What is not known yet (dim, bins, range) is None, and is not compared. The definition of the
+    embedding is known if dim is.
     """
 
     def __init__(
@@ -124,6 +128,7 @@ class Identity:
         dim: Optional[SupportsIndex] = None,
         bins: Optional[SupportsIndex] = None,
         range: Optional[ArrayLike] = None,
+        embedding: str = "",
     ) -> None:
         """
         backbone: name of the network, for people: 1 to 63 letters, digits, '.', '_', '-'
@@ -134,6 +139,8 @@ class Identity:
         dim: numbers in an embedding
         bins: 2 to 65536
         range: float32 [neurons][2]; not copied
+        embedding: how embeddings are made of the network's outputs, up to 255 printable characters;
+                   "": one whole output
         VdnaError: ARG, FORMAT or MISMATCH for a field that breaks its rule
         """
         neurons = sum(tap.neurons for tap in parse_taps(taps))
@@ -149,6 +156,7 @@ class Identity:
             dim=0 if dim is None else integer(dim, "dim", 1, UINT32_MAX),
             bins=0 if bins is None else integer(bins, "bins", 1, UINT32_MAX),
             range=None if table is None else table.ctypes.data,
+            embedding=embedding,
         )
         lib.vdna_identity_check(self._fields, Error())
 
@@ -161,7 +169,7 @@ class Identity:
 
     def check_comparable(self, other: Identity) -> None:
         """Check that Visual DNAs of both may be compared: same model, preprocessing, taps, and what
-        both know of dim, bins and range.
+        both know of embedding, dim, bins and range.
 
         VdnaError: MISMATCH, naming the first field that differs and both values
         """
@@ -214,6 +222,16 @@ class Identity:
         """[neurons][2], where the bins of each neuron begin and end; None if not known yet."""
         address = self._fields.range
         return address and view((self._owner, self), address, (self.neurons, 2), np.float32)
+
+    @property
+    def embedding(self) -> str:
+        """How embeddings are made of the network's outputs; "": one whole output."""
+        return str(self._fields.embedding.decode())
+
+    @property
+    def is_centred(self) -> bool:
+        """Whether embeddings are compared about a mean, which a localiser must subtract."""
+        return bool(lib.vdna_identity_is_centred(self._fields))
 
     @property
     def text(self) -> str:
