@@ -16,7 +16,7 @@ static const vdna_localise_config localise_defaults = {
     .jump = 0.01,
     .gear_change = 0.05,
     .evidence_share = 0.15,
-    .confidence = {-2.5, 0.53, 1.1},
+    .confidence = {3.6, 0.53, 1.1, -12},
 };
 
 static const vdna_gear default_gears[] = {
@@ -78,7 +78,7 @@ static int are_gears(const vdna_gear *gears, uint32_t count)
 
 static int is_localise_config(const vdna_localise_config *config)
 {
-    for (size_t c = 0; c < 3; c++)
+    for (size_t c = 0; c < 4; c++)
         if (!is_within(config->confidence[c], -100, 100))
             return 0;
     return config->map && config->mean_frames_max > 0 &&

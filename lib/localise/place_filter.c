@@ -315,12 +315,22 @@ static uint32_t likeliest(const vdna_place_filter *filter, const vdna_place_wind
     return (uint32_t)best;
 }
 
-static double confidence_of(const vdna_place_filter *filter, double mass)
+static float least_distance_in(const vdna_place_filter *filter, const vdna_place_window *window,
+                               const float *distances)
+{
+    float least = distances[frame_at(filter, window->first)];
+    for (size_t i = window->first; i < window->past; i++)
+        if (distances[frame_at(filter, i)] < least)
+            least = distances[frame_at(filter, i)];
+    return least;
+}
+
+static double confidence_of(const vdna_place_filter *filter, double mass, double distance)
 {
     double logit = vdna_log(mass / (1 - mass));
     logit = logit < -8 ? -8 : logit > 8 ? 8 : logit;
     const double *c = filter->confidence;
-    return 1 / (1 + vdna_exp(-(c[0] + c[1] * logit + c[2] * filter->evidence)));
+    return 1 / (1 + vdna_exp(-(c[0] + c[1] * logit + c[2] * filter->evidence + c[3] * distance)));
 }
 
 /* see place_filter.h */
@@ -344,5 +354,5 @@ void vdna_place_filter_step(vdna_place_filter *filter, const float *distances,
     mass = mass > 1 - 1e-9 ? 1 - 1e-9 : mass;
     answer->frame = likeliest(filter, &window);
     answer->mass = mass;
-    answer->confidence = confidence_of(filter, mass);
+    answer->confidence = confidence_of(filter, mass, least_distance_in(filter, &window, distances));
 }

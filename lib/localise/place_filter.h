@@ -26,7 +26,7 @@ typedef struct vdna_place_filter {
     vdna_place_window *windows; /* [frames], in the order of places; NULL = places are frames */
     vdna_gear gears[VDNA_GEARS_MAX];
     double scale;
-    double sharpness, clutter, jump, gear_change, evidence_share, confidence[3];
+    double sharpness, clutter, jump, gear_change, evidence_share, confidence[4];
     double evidence;
     uint32_t frames, gear_count, tolerance;
     uint32_t is_started;

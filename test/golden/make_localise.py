@@ -17,9 +17,9 @@ PLACE_NONE = -2**63
 GEARS = [(-1, [.02, .2, .4, .25, .1, .03]), (2, [.15, .3, .3, .15, .1, 0]), (-4, [.03, .1, .25, .4, .22, 0])]
 OTHER_GEARS = [(-8, [.5, .1, .1, .1, .1, .1]), (3, [.1, .1, .1, .1, .1, .5])]
 DEFAULTS = {"gears": GEARS, "jump": 0.01, "gear_change": 0.05, "sharpness": 2.0, "clutter": 0.1,
-            "evidence_share": 0.15, "confidence": (-2.5, 0.53, 1.1)}
+            "evidence_share": 0.15, "confidence": (3.6, 0.53, 1.1, -12)}
 OTHERS = {"gears": OTHER_GEARS, "jump": 0.2, "gear_change": 0.3, "sharpness": 1.5, "clutter": 0.4,
-          "evidence_share": 0.5, "confidence": (-1.0, 0.4, 0.7)}
+          "evidence_share": 0.5, "confidence": (-1.0, 0.4, 0.7, 0.3)}
 
 
 def same_place(a, b, tolerance):
@@ -74,7 +74,9 @@ class Filter:
         m = min(max(masses[best], 1e-9), 1 - 1e-9)
         logit = min(max(math.log(m / (1 - m)), -8), 8)
         c = o["confidence"]
-        return frame, 1 / (1 + math.exp(-(c[0] + c[1] * logit + c[2] * self.evidence))), m
+        least = min(d[k] for k in self.windows[best])
+        logit = c[0] + c[1] * logit + c[2] * self.evidence + c[3] * least
+        return frame, 1 / (1 + math.exp(-logit)), m
 
     def places(self):
         return [sum(column) for column in zip(*self.p)]

@@ -62,6 +62,7 @@ static void set_others(vdna_localise_config *config)
     config->confidence[0] = -1;
     config->confidence[1] = 0.4;
     config->confidence[2] = 0.7;
+    config->confidence[3] = 0.3;
 }
 
 static void check(const vdna_localise_config *config, uint32_t frames, const uint32_t *frame,
@@ -174,6 +175,8 @@ static void the_published_example_gives_its_numbers(void **state)
     config.map = make_map(map, N, DIM);
     config.tolerance = 1;
     config.mean_frames = 0;
+    config.confidence[0] = -2.5;
+    config.confidence[3] = 0;
     vdna_localise *localise = make(&config);
     for (uint32_t i = BEGIN; i < BEGIN + WARMUP; i++)
         OK(vdna_localise_warm_up(localise, live + i * DIM));

@@ -12,10 +12,10 @@
  *
  *  - **Map.** M = mean of the m_j (0 if not `centred`); u_j = unit(m_j - M), where
  *    unit(v) = v / max(|v|, 1e-12); S = median of |m_(j+1) - m_j|, each rounded to float.
- *  - **Live mean.** Begins as L = M, worth n = `mean_frames` frames; as 0 if that is 0. A frame x counts if
- *    |x - x'| > `gate` S, x' being the last frame that counted, or if there is none yet:
- *    n = min(n + 1, `mean_frames_max`), L = L + (x - L) / n. If not `centred`, L stays 0. The robot
- *    moves if the frame counts; otherwise it stands, and the filter is not stepped.
+ *  - **Live mean.** Begins as L = M, worth n = `mean_frames` frames; as 0 if that is 0. A frame x
+ * counts if |x - x'| > `gate` S, x' being the last frame that counted, or if there is none yet: n =
+ * min(n + 1, `mean_frames_max`), L = L + (x - L) / n. If not `centred`, L stays 0. The robot moves
+ * if the frame counts; otherwise it stands, and the filter is not stepped.
  *  - **Distance.** d_j = 1 - u_j . unit(x - L), where the numbers of both directions are rounded to
  *    multiples of 1/32767, and their product is exact: d_j is within sqrt(dim) / 32500 of the exact
  *    value, and as a rule within 4e-5, whatever `dim`. 0 = same direction, 1 = no likeness, 2 =
@@ -34,15 +34,19 @@
  * The frame that is told is the one of largest P, the first of equals, in the window of most mass;
  *    among equal windows that of the lowest place, then of the lowest frame.
  *    m = that mass, at most 1 - 1e-9.
- *  - **Confidence** = 1 / (1 + exp(-(c0 + c1 clip(log(m / (1 - m)), -8, 8) + c2 E))), c being
- *    `confidence`.
+ *  - **Confidence** = 1 / (1 + exp(-(c0 + c1 clip(log(m / (1 - m)), -8, 8) + c2 E + c3 D))), c
+ * being `confidence` and D the least distance in the window that is told.
  *
- *  With `mean_frames` = 0 this is the reference, which begins with an empty mean.
+ *  With `mean_frames` = 0 and `confidence` = -2.5, 0.53, 1.1, 0 this is the reference, which begins
+ * with an empty mean, and does not look at D. When a robot leaves the route, the filter follows
+ * whatever looks least unlike; D tells that it is unlike. The default c0 and c3 are for embeddings
+ * of 1008 numbers, a 3 x 3 grid of a network's features; distances in some of their dimensions are
+ * smaller.
  *
  *  Consequences: scaling or shifting all activations of map and drive changes nothing. On a map
  * whose frames are all alike, or that has one frame, every distance is 1: the evidence says
- * nothing, and the posterior follows from the motion alone. A window that holds the whole map
- * always has all the mass, and E alone decides the confidence, 0.85 where it is 0.
+ * nothing, the posterior follows from the motion alone, and no answer is confident. A window that
+ * holds the whole map always has all of the mass.
  *
  *  Loops. Where a route passes a place twice, give both passes the same place numbers: the mass of
  *  both then counts for the place, instead of one pass against the other.
@@ -114,7 +118,7 @@ typedef struct vdna_localise_config {
                                 default 0.01 */
     double gear_change;    /**< probability, per frame, of a change of gears, 0..1; default 0.05 */
     double evidence_share; /**< of a new frame in the running mean E, 0..1; default 0.15 */
-    double confidence[3];  /**< c0, c1, c2; finite, each -100..100; default -2.5, 0.53, 1.1 */
+    double confidence[4];  /**< c0..c3, each -100..100; default 3.6, 0.53, 1.1, -12 */
 } vdna_localise_config;
 
 /** A localiser, within the caller's block. */
@@ -206,7 +210,8 @@ VDNA_API vdna_status vdna_localise_feed(vdna_localise *localise, const float *em
 
 /** Step the filter by distances that the caller has from elsewhere; the live mean stays.
  *  @param localise    from vdna_localise_init()
- *  @param distances   [frames], finite, at most 1e18 in size; any scale, smaller = more alike
+ *  @param distances   [frames], finite, at most 1e18 in size, smaller = more alike; of any scale,
+ * but c3 of the confidence counts them as they are
  *  @param out_answer  where the robot is, `moving` = 1
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NONFINITE if a distance is not finite or too large.
  * After an error nothing has changed */

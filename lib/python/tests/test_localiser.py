@@ -38,7 +38,7 @@ def test_the_filter_is_that_of_the_definition():
     places = [*range(30), *range(1029, 1000, -1), PLACE_NONE]
     gears = [Gear(-8, (0.5, 0.5)), Gear(3, (0.25, 0.25, 0.5))]
     options = {"sharpness": 1.5, "clutter": 0.3, "jump": 0.05, "gear_change": 0.2,
-               "evidence_share": 0.4, "confidence": (-1, 0.5, 2)}  # fmt: skip
+               "evidence_share": 0.4, "confidence": (-1, 0.5, 2, -3)}  # fmt: skip
     localiser = Localiser(ROUTE, tolerance=2, places=places, gears=gears, **options)
     padded = [(gear.first, list(gear.shares) + [0] * (6 - len(gear.shares))) for gear in gears]
     definition = Filter(FRAMES, 2, places, gears=padded, **options)
@@ -109,7 +109,7 @@ def test_a_number_that_is_not_finite_is_refused_and_changes_nothing():
         {"gears": [Gear(0, (0.1,) * 10)]},
         {"places": [1, 2]},
         {"tolerance": -1},
-        {"confidence": (1, 2, 3, 4)},
+        {"confidence": (1, 2, 3, 4, 5)},
     ],
 )
 def test_a_setting_beyond_its_range_is_refused(wrong):

@@ -126,7 +126,7 @@ class LocaliseConfig(Structure):
         ("jump", c_double),
         ("gear_change", c_double),
         ("evidence_share", c_double),
-        ("confidence", c_double * 3),
+        ("confidence", c_double * 4),
     ]
 
 

@@ -59,7 +59,7 @@ class Localiser:
         jump: float = 0.01,
         gear_change: float = 0.05,
         evidence_share: float = 0.15,
-        confidence: Sequence[float] = (-2.5, 0.53, 1.1),
+        confidence: Sequence[float] = (3.6, 0.53, 1.1, -12.0),
     ) -> None:
         """
         embeddings: float32 [frames][dim] of the experience, in the order of the drive; not kept
@@ -95,7 +95,7 @@ class Localiser:
         config.gate, config.sharpness, config.clutter = gate, sharpness, clutter
         config.jump, config.gear_change = jump, gear_change
         config.evidence_share = evidence_share
-        config.confidence = (c_double * 3)(*confidence)
+        config.confidence = (c_double * 4)(*confidence)
         numbers = None if places is None else self._places(places)
         if numbers is not None:
             config.place = numbers.ctypes.data_as(POINTER(c_int64))
@@ -135,7 +135,8 @@ class Localiser:
     def feed_distances(self, distances: ArrayLike) -> Place:
         """Step the filter by distances from elsewhere; the live mean stays.
 
-        distances: float32 [frames], smaller = more alike, of any scale
+        distances: float32 [frames], smaller = more alike; of any scale, but the last constant of the
+                   confidence counts them as they are
         VdnaError: NONFINITE for one that is not finite, or beyond 1e18
         """
         row = shaped(floats(distances, "distances"), (self._frames,), "distances")
