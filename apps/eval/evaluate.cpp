@@ -12,6 +12,7 @@
 #include "eval/live_run.hpp"
 #include "eval/localise_query.hpp"
 #include "eval/methods.hpp"
+#include "eval/reference_maps.hpp"
 #include "program/interrupt.hpp"
 #include "program/progress.hpp"
 
@@ -48,6 +49,7 @@ class Run
         : frames_(frames), traversals_(frames.traversals()), binning_(binning), settings_(settings),
           unit_(unit_of(traversals_)), references_(named(traversals_, settings.references))
     {
+        frames.keep_labels(unit_);
     }
 
     Evaluation run()

@@ -4,12 +4,15 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <vdna/backbone.h>
 #include <vdna/baseline.h>
 
+#include "eval/bootstrap.hpp"
+#include "eval/confidence.hpp"
 #include "record/localisation.hpp"
 #include "record/recording.hpp"
 
@@ -73,6 +76,17 @@ struct MethodResult {
     vdna_ranking_metrics metrics; // percentages as percentages
 };
 
+// One way to localise, on all queries.
+struct LocaliserResult {
+    std::string name;           // key of a localiser of eval/localisers.hpp
+    bool in_each = true;        // in one reference at a time; otherwise in all at once
+    std::vector<double> recall; // percent: [queries][references], NaN without a pair, if in_each,
+                                // otherwise [queries]
+    Mean mean{};                // over queries, of their means over references
+    Mean chosen{};              // over queries, in the reference that Visual DNA chooses
+    std::optional<ConfidenceMetrics> confidence; // of all answers, if they have one
+};
+
 struct Evaluation {
     std::string dataset;         // its path
     vdna_backbone_info backbone; // with the selected taps and their neurons
@@ -90,6 +104,7 @@ struct Evaluation {
     std::vector<size_t> references;    // traversals: the columns of the tables below
     std::vector<double> recall;        // [queries][references], percent; NaN without a pair
     std::vector<MethodResult> methods; // ours first, chance last
+    std::vector<LocaliserResult> localisers;
 };
 
 // Distances of the embeddings, [live frames][map frames]: the difference matrix.

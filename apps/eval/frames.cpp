@@ -69,6 +69,18 @@ void Frames::record(const frames::DatasetTraversal &from, Traversal &to,
     to.recording.require_frames(from.name);
 }
 
+void Frames::keep_labels(record::Unit unit)
+{
+    for (Traversal &traversal : traversals_) {
+        if (unit != record::Unit::places)
+            traversal.recording.place.clear();
+        if (unit != record::Unit::metres) {
+            traversal.recording.position.clear();
+            traversal.recording.position_frame.clear();
+        }
+    }
+}
+
 CachedFrame Frames::frame_of(const std::vector<uint8_t> &picture, const std::string &key,
                              const std::string &name)
 {

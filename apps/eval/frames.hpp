@@ -32,6 +32,9 @@ class Frames
     uint64_t cached() const { return cached_; }
     uint64_t computed() const { return computed_; }
 
+    // Drop the labels of other units, so that every pair is judged in this one.
+    void keep_labels(record::Unit unit);
+
     // SHA-256 of the content of each frame of a traversal and of the network.
     const std::vector<std::string> &keys(size_t traversal) const { return keys_[traversal]; }
     // The activations of one frame; borrowed until the next call. Throws Error.

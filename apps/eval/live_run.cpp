@@ -53,7 +53,7 @@ LiveRun feed(Frames &frames, Binning &binning, const LiveTask &task)
     const Traversal &live = frames.traversals()[task.traversal];
     const uint32_t dim = frames.backbone().identity.dim;
     Selector selector(task.candidates, dim, record::warmup_of(task.length, task.frames_min),
-                      live.name);
+                      live.name, {VDNA_TIME_LATE_US_DEFAULT, VDNA_TIME_UNIT_US});
     LiveRun run;
     for (bool chosen = false; !chosen && run.next < live.recording.frames;) {
         program::require_not_interrupted();

@@ -4,37 +4,13 @@
 
 #include <vdna/cpp/error.hpp>
 
+#include "eval/reference_maps.hpp"
+
 namespace vdna::eval
 {
 
 namespace
 {
-
-// Append frame i of another recording.
-void append(record::Recording &to, const record::Recording &from, uint32_t i, uint32_t dim)
-{
-    to.frames++;
-    to.position_frame = from.position_frame;
-    if (!from.place.empty())
-        to.place.push_back(from.place[i]);
-    if (!from.position.empty())
-        to.position.insert(to.position.end(), &from.position[size_t{3} * i],
-                           &from.position[size_t{3} * i] + 3);
-    to.embeddings.insert(to.embeddings.end(), &from.embeddings[size_t{dim} * i],
-                         &from.embeddings[size_t{dim} * i] + dim);
-}
-
-// One experience of all frames of these traversals, concatenated.
-record::Recording joined(const QueryTask &task, const std::vector<size_t> &references)
-{
-    record::Recording all;
-    for (const size_t reference : references) {
-        const record::Recording &recording = task.traversals[reference].recording;
-        for (uint32_t i = 0; i < recording.frames; i++)
-            append(all, recording, i, task.dim);
-    }
-    return all;
-}
 
 // The traversal of a frame of joined(); `frame` becomes its index in that traversal.
 size_t split(const QueryTask &task, const std::vector<size_t> &references, uint32_t &frame)
@@ -59,25 +35,16 @@ std::string without_labels(const std::vector<Traversal> &traversals)
 
 } // namespace
 
-vdna_experience map_of(const record::Recording &recording, uint32_t dim)
-{
-    vdna_experience map{};
-    map.frames = recording.frames;
-    map.identity.dim = dim;
-    map.embeddings = recording.embeddings.data();
-    map.frame_place = recording.place.empty() ? nullptr : recording.place.data();
-    map.frame_position = recording.position.empty() ? nullptr : recording.position.data();
-    recording.position_frame.copy(map.position_frame, sizeof map.position_frame - 1);
-    return map;
-}
-
 Outcome localise_query(const QueryTask &task, const std::vector<size_t> &references)
 {
     const record::Recording &traversal = task.traversals[task.query.traversal].recording;
     record::Recording live;
     for (const uint32_t i : task.query.live)
         append(live, traversal, i, task.dim);
-    const record::Recording recording = joined(task, references);
+    std::vector<const record::Recording *> parts;
+    for (const size_t reference : references)
+        parts.push_back(&task.traversals[reference].recording);
+    const record::Recording recording = joined(parts, task.dim);
     const vdna_experience map = map_of(recording, task.dim);
     const record::Localisation found =
         record::localise_in(map, live, task.tolerance, recall_depths.back(), task.with_altitude);

@@ -18,9 +18,6 @@ struct QueryTask {
 // In one traversal, or in several as if they were one. Throws Error.
 Outcome localise_query(const QueryTask &task, const std::vector<size_t> &references);
 
-// A recording as a map to localise in; borrowed.
-vdna_experience map_of(const record::Recording &recording, uint32_t dim);
-
 // The kind of label that all traversals have: positions in one frame, or place numbers. Throws
 // Error if there is none.
 record::Unit unit_of(const std::vector<Traversal> &traversals);

@@ -19,8 +19,8 @@ class JoinedReader : public Reader
   public:
     // Videos time their frames from 0, so each begins where the one before it ends; logs have
     // stamps that go on by themselves.
-    JoinedReader(std::vector<std::unique_ptr<Reader>> parts, bool are_videos, double rate_hz)
-        : parts_(std::move(parts)), are_videos_(are_videos), rate_hz_(rate_hz)
+    JoinedReader(std::vector<std::unique_ptr<Reader>> parts, bool are_videos)
+        : parts_(std::move(parts)), are_videos_(are_videos)
     {
     }
 
@@ -29,7 +29,10 @@ class JoinedReader : public Reader
         for (; part_ < parts_.size(); go_on())
             if (parts_[part_]->read(out_frame)) {
                 out_frame.index = next_++;
-                newest_us_ = out_frame.utime += begin_us_;
+                out_frame.utime += begin_us_;
+                if (out_frame.utime > newest_us_)
+                    spacing_us_ = out_frame.utime - newest_us_;
+                newest_us_ = out_frame.utime;
                 return true;
             }
         return false;
@@ -77,16 +80,16 @@ class JoinedReader : public Reader
     {
         part_++;
         if (are_videos_)
-            begin_us_ = newest_us_ + static_cast<int64_t>(1e6 / rate_hz_);
+            begin_us_ = newest_us_ + spacing_us_;
     }
 
     std::vector<std::unique_ptr<Reader>> parts_;
     bool are_videos_;
-    double rate_hz_; // between the last frame of a video and the first of the next
     size_t part_ = 0;
     uint64_t next_ = 0;
     int64_t begin_us_ = 0;
     int64_t newest_us_ = 0;
+    int64_t spacing_us_ = 0; // of the newest two frames, also between two videos
 };
 
 // "drive.lcm" for the file "drive.lcm.00"; "" for everything else.
@@ -164,7 +167,7 @@ std::unique_ptr<Reader> open_joined(const std::vector<std::string> &paths,
                         ", expected videos only or LCM logs only");
         parts.push_back(open_reader(path, options, nullptr));
     }
-    return std::make_unique<JoinedReader>(std::move(parts), !are_logs, options.rate_hz);
+    return std::make_unique<JoinedReader>(std::move(parts), !are_logs);
 }
 
 } // namespace vdna::frames

@@ -5,6 +5,7 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "frames/opencv_image.hpp"
 #include "program/clock.hpp"
 #include "program/interrupt.hpp"
 
@@ -51,14 +52,7 @@ class StreamCamera : public Camera
         out_frame.utime = program::wall_us();
         out_frame.index = frames_++;
         out_frame.name = name_ + ": frame " + std::to_string(out_frame.index);
-        if (picture_.type() != CV_8UC3)
-            throw Error(out_frame.name + ": not 8-bit colour, which OpenCV was expected to give");
-        out_frame.image = {picture_.data,
-                           picture_.step * static_cast<size_t>(picture_.rows),
-                           static_cast<uint32_t>(picture_.cols),
-                           static_cast<uint32_t>(picture_.rows),
-                           static_cast<uint32_t>(picture_.step),
-                           VDNA_PIXEL_BGR3};
+        out_frame.image = image_of(picture_, out_frame.name);
         return true;
     }
 

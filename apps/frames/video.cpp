@@ -1,4 +1,5 @@
 // Frames of a video file.
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -6,6 +7,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "frames/ffmpeg_errors.hpp"
+#include "frames/opencv_image.hpp"
 #include "frames/source.hpp"
 
 namespace vdna::frames
@@ -16,9 +18,6 @@ namespace
 
 // Frames by which the header of a sound video may be wrong: some containers only know a duration.
 constexpr uint64_t count_tolerance = 1;
-
-// Above this FFmpeg gives a clock of the container, not the rate of its frames.
-constexpr double rate_hz_max = 1000;
 
 // OpenCV turns a video as its container says, but 4.6 turns a quarter the wrong way round
 // (https://github.com/opencv/opencv/issues/22088).
@@ -42,13 +41,13 @@ class VideoReader : public Reader
             throw Error(path + ": neither a folder, nor an LCM log, nor a video that OpenCV can "
                                "read; expected one of these");
         collect_ffmpeg_errors(); // opening a video sets OpenCV's own
-        const double fps = video_.get(cv::CAP_PROP_FPS);
-        if (fps > 0 && fps <= rate_hz_max)
-            rate_hz_ = fps;
         // Streams, and recordings whose writer could not go back, do not say how many they hold.
         const double count = video_.get(cv::CAP_PROP_FRAME_COUNT);
-        if (count >= 1)
+        const double fps = video_.get(cv::CAP_PROP_FPS);
+        if (count >= 1 && fps > 0) {
             size_ = static_cast<uint64_t>(count);
+            duration_us_ = count / fps * 1e6;
+        }
         upside_down_ = comes_upside_down(video_);
     }
 
@@ -65,15 +64,7 @@ class VideoReader : public Reader
         // If no frame follows, the video breaks off behind this one.
         if (!reason_.empty() && (is_ahead_ = advance()))
             throw BadFrame(out_frame.name + ": damaged: " + reason_);
-        if (picture_.type() != CV_8UC3)
-            throw BadFrame(out_frame.name +
-                           ": not 8-bit colour, which OpenCV was expected to give");
-        out_frame.image = {picture_.data,
-                           picture_.step * static_cast<size_t>(picture_.rows),
-                           static_cast<uint32_t>(picture_.cols),
-                           static_cast<uint32_t>(picture_.rows),
-                           static_cast<uint32_t>(picture_.step),
-                           VDNA_PIXEL_BGR3};
+        out_frame.image = image_of(picture_, out_frame.name);
         return true;
     }
 
@@ -81,33 +72,56 @@ class VideoReader : public Reader
 
     uint64_t size() const override { return size_; }
 
-    void describe(Account &account) const override { account.order = "video"; }
+    void describe(Account &account) const override
+    {
+        account.order = "video";
+        if (!has_times_)
+            account.notes.push_back("its pictures have no times: taken to be " +
+                                    program::fixed(rate_hz_, 1) + " a second (--rate)");
+    }
 
   private:
     bool grab() { return std::exchange(is_ahead_, false) || advance(); }
 
     // Go to the next frame and find out its time: the container's, or without one that of a regular
-    // beat.
+    // beat. What FFmpeg says of the rate then is often a guess.
     bool advance()
     {
         // After its end OpenCV would hand out the last frame again.
         has_ended_ = has_ended_ || !video_.grab();
         if (has_ended_)
             return false;
+        // The first frame is at 0. OpenCV also gives 0 for the last frames, those that come out of
+        // the decoder when the file has ended, and 0 or less where the container has no times.
         const double container_ms = video_.get(cv::CAP_PROP_POS_MSEC);
-        const int64_t beat = std::llround(static_cast<double>(next_) * 1e6 / rate_hz_);
-        has_times_ = has_times_ && container_ms >= 0 && (next_ == 0 || container_ms > 0);
+        if (next_ == 1)
+            has_times_ = container_ms > 0;
         if (!has_times_)
             size_ = 0; // bare pictures in a row: FFmpeg guesses their number from the bit rate
-        utime_ = has_times_ ? std::llround(container_ms * 1e3) : beat;
+        const int64_t before = utime_;
+        if (has_times_ && (container_ms > 0 || next_ == 0))
+            utime_ = std::llround(std::max(container_ms, 0.0) * 1e3);
+        else if (has_times_)
+            utime_ += spacing_;
+        else
+            utime_ = std::llround(static_cast<double>(next_) * 1e6 / rate_hz_);
+        spacing_ = utime_ - before;
         next_++;
         return true;
+    }
+
+    // Whether frames are missing by their number and by the time they would take: of a video whose
+    // frames come irregularly, FFmpeg only knows how long it is.
+    bool is_short() const
+    {
+        const double end_us = static_cast<double>(utime_ + 2 * spacing_);
+        return size_ > next_ + count_tolerance && end_us < duration_us_;
     }
 
     // False; complains once if the video ends too early.
     bool end()
     {
-        const uint64_t missing = size_ > next_ + count_tolerance ? size_ - next_ : 0;
+        const uint64_t missing = is_short() ? size_ - next_ : 0;
         const std::string last = take_ffmpeg_error();
         const std::string reason = last.empty() ? std::exchange(reason_, "") : last;
         reason_.clear();
@@ -123,16 +137,18 @@ class VideoReader : public Reader
 
     std::string path_;
     double rate_hz_;
-    uint64_t size_ = 0;     // 0 = unknown
-    std::string reason_;    // FFmpeg's complaint about the frame read last
-    bool is_ahead_ = false; // a frame beyond it was grabbed already
+    uint64_t size_ = 0;      // 0 = unknown; may be an estimate
+    double duration_us_ = 0; // while the size is known
+    std::string reason_;     // FFmpeg's complaint about the frame read last
+    bool is_ahead_ = false;  // a frame beyond it was grabbed already
     bool has_times_ = true;
     cv::VideoCapture video_;
     cv::Mat picture_;
     bool upside_down_ = false;
     bool has_ended_ = false;
     uint64_t next_ = 0;
-    int64_t utime_ = 0; // of the frame grabbed last
+    int64_t utime_ = 0;   // of the frame grabbed last
+    int64_t spacing_ = 0; // between this one and the one before it
 };
 
 } // namespace

@@ -70,29 +70,44 @@ std::string tick_text(double value, double step)
     return program::fixed(value, digits);
 }
 
-std::string axes(const Axis &x, const Axis &y)
+// A line and its number at each step.
+template <typename Draw>
+void for_each_tick(const Axis &axis, Draw draw)
+{
+    const double step = axis.step();
+    const auto first = static_cast<int>(std::ceil(axis.low / step - 1e-9));
+    for (int i = first; i * step <= axis.high + step * 1e-9; i++)
+        draw(i * step, tick_text(i * step, step));
+}
+
+std::string x_ticks(const Axis &x)
 {
     std::string svg;
-    const auto ticks = [](const Axis &axis, auto draw) {
-        const double step = axis.step();
-        const auto first = static_cast<int>(std::ceil(axis.low / step - 1e-9));
-        for (int i = first; i * step <= axis.high + step * 1e-9; i++)
-            draw(i * step, tick_text(i * step, step));
-    };
-    ticks(x, [&](double value, const std::string &text) {
+    for_each_tick(x, [&](double value, const std::string &text) {
         svg += line(x_of(x, value), top, x_of(x, value), height - bottom);
         svg += label_at(x_of(x, value), height - bottom + 14, " text-anchor=\"middle\"", text);
     });
-    ticks(y, [&](double value, const std::string &text) {
+    return svg +
+           label_at((left + width - right) / 2, height - 8, " text-anchor=\"middle\"", x.label);
+}
+
+std::string y_ticks(const Axis &y)
+{
+    std::string svg;
+    for_each_tick(y, [&](double value, const std::string &text) {
         svg += line(left, y_of(y, value), width - right, y_of(y, value));
         svg += label_at(left - 5, y_of(y, value) + 4, " text-anchor=\"end\"", text);
     });
-    svg += label_at((left + width - right) / 2, height - 8, " text-anchor=\"middle\"", x.label);
     const double middle = (top + height - bottom) / 2;
     return svg + label_at(12, middle,
                           " text-anchor=\"middle\" transform=\"rotate(-90 12 " +
                               program::fixed(middle, 1) + ")\"",
                           y.label);
+}
+
+std::string axes(const Axis &x, const Axis &y)
+{
+    return x_ticks(x) + y_ticks(y);
 }
 
 std::string drawing(const std::string &text, const std::string &svg)
@@ -122,6 +137,35 @@ std::string polyline(const Axis &x, const Axis &y, const std::vector<double> &he
                   program::fixed(y_of(y, heights[at]), 1) + " ";
     }
     return points;
+}
+
+// Points of the drawing as a line.
+std::string path(const std::vector<Point> &points, const Axis &x, const Axis &y,
+                 const std::string &stroke)
+{
+    std::string text;
+    for (const Point &point : points)
+        text +=
+            program::fixed(x_of(x, point.x), 1) + "," + program::fixed(y_of(y, point.y), 1) + " ";
+    return element(
+        "polyline fill=\"none\" stroke-width=\"2\" " + stroke + " points=\"" + text + "\"", "");
+}
+
+// At this x of the drawing.
+std::string whisker(const Whisker &shown, double at, const Axis &y, const std::string &colour)
+{
+    const std::string x = program::fixed(at, 1);
+    const std::string interval =
+        std::isnan(shown.low)
+            ? ""
+            : element("polyline stroke-width=\"2\" stroke=\"" + colour + "\" points=\"" + x + "," +
+                          program::fixed(y_of(y, shown.low), 1) + " " + x + "," +
+                          program::fixed(y_of(y, shown.high), 1) + "\"",
+                      "");
+    return interval +
+           element("circle cx=\"" + x + "\" cy=\"" + program::fixed(y_of(y, shown.value), 1) +
+                       "\" r=\"4.5\" fill=\"" + colour + "\"",
+                   text_element("title", shown.label));
 }
 
 } // namespace
@@ -166,6 +210,40 @@ std::string curve_chart(const std::string &x_label, const std::string &y_label,
                            series_colour(i, curves.size()) + "\" points=\"" +
                            polyline(x, y, curves[i].heights) + "\"",
                        text_element("title", curves[i].label));
+    return drawing(y_label + " against " + x_label, svg);
+}
+
+std::string whisker_chart(const std::string &y_label, double y_end,
+                          const std::vector<WhiskerGroup> &groups)
+{
+    const Axis y = axis_of(y_label, 0, y_end);
+    const double group_width = (width - left - right) / static_cast<double>(groups.size());
+    std::string svg = y_ticks(y), names;
+    for (size_t g = 0; g < groups.size(); g++) {
+        const std::vector<Whisker> &whiskers = groups[g].whiskers;
+        const double begin = left + static_cast<double>(g) * group_width;
+        svg += label_at(begin + group_width / 2, height - bottom + 16, " text-anchor=\"middle\"",
+                        groups[g].name);
+        for (size_t i = 0; i < whiskers.size(); i++) {
+            const double share =
+                static_cast<double>(i + 1) / static_cast<double>(whiskers.size() + 1);
+            svg += whisker(whiskers[i], begin + share * group_width, y,
+                           series_colour(i, whiskers.size()));
+        }
+        names += (g > 0 ? ", " : "") + groups[g].name;
+    }
+    return drawing(y_label + " of " + names, svg);
+}
+
+std::string diagonal_chart(const std::string &x_label, double x_end, const std::string &y_label,
+                           double y_end, const std::vector<Point> &points)
+{
+    const Axis x = axis_of(x_label, 0, x_end), y = axis_of(y_label, 0, y_end);
+    std::string svg = axes(x, y);
+    svg += line(x_of(x, 0), y_of(y, 0), x_of(x, x_end), y_of(y, y_end));
+    svg += path(points, x, y, "stroke=\"" + series_colour(0, 1) + "\"");
+    for (const Point &point : points)
+        svg += dot(x, y, point, 1);
     return drawing(y_label + " against " + x_label, svg);
 }
 

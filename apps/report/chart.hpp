@@ -18,6 +18,18 @@ struct Curve {
     std::vector<double> heights; // at 1, 2, ...; at least one
 };
 
+// A value with its interval; only the value is drawn if the interval is NaN.
+struct Whisker {
+    double value, low, high;
+    std::string label; // tooltip
+};
+
+// Whiskers side by side above one name on the x axis: one of each series.
+struct WhiskerGroup {
+    std::string name;
+    std::vector<Whisker> whiskers;
+};
+
 // The colour of one series among several, for points, curves and the legend.
 std::string series_colour(size_t series, size_t count);
 
@@ -28,5 +40,13 @@ std::string scatter_chart(const std::string &x_label, const std::string &y_label
 // y from 0 to the highest.
 std::string curve_chart(const std::string &x_label, const std::string &y_label,
                         const std::vector<Curve> &curves);
+
+// y from 0 to y_end.
+std::string whisker_chart(const std::string &y_label, double y_end,
+                          const std::vector<WhiskerGroup> &groups);
+
+// Points joined in their order, x from 0 to x_end and y from 0 to y_end, with the diagonal.
+std::string diagonal_chart(const std::string &x_label, double x_end, const std::string &y_label,
+                           double y_end, const std::vector<Point> &points);
 
 } // namespace vdna::report

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "eval/localise_query.hpp"
 #include "eval/placing.hpp"
+#include "eval/reference_maps.hpp"
 #include "program/interrupt.hpp"
 #include "program/print.hpp"
 #include "report/html.hpp"

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "eval/placing.hpp"
+#include "report/localisers.hpp"
 #include "report/wording.hpp"
 
 namespace vdna::report
@@ -114,6 +115,15 @@ std::string csv_row(const std::string &query, const std::string &reference,
            std::to_string(outcome.unreachable);
 }
 
+// Of those localisers whose recalls are not in the column recall_percent.
+std::string localiser_cells(const eval::Evaluation &evaluation, const LocaliserRow &row)
+{
+    std::string cells;
+    for (const size_t i : beyond_usual_localisers(evaluation))
+        cells += "," + (std::isnan(row.recall[i]) ? "" : program::Json(row.recall[i]).dump());
+    return cells;
+}
+
 std::string end_of_row(const eval::Outcome &outcome, const std::string &note)
 {
     return "," + std::to_string(outcome.matches.size() - outcome.judged) + "," + quoted(note) +
@@ -165,6 +175,7 @@ program::Json json_of(const eval::Evaluation &evaluation,
     for (const eval::MethodResult &method : evaluation.methods)
         if (!method.distance.empty())
             json["distance"][method.name] = distances_of(evaluation, method);
+    json["localisers"] = localisers_json(evaluation);
     for (const eval::Ablation &ablation : ablations) {
         program::Json &rows = json["ablations"][ablation.kind] = program::Json::array();
         for (const eval::AblationRow &row : ablation.rows)
@@ -179,7 +190,11 @@ std::string csv_of(const eval::Evaluation &evaluation)
     for (const eval::MethodResult &method : evaluation.methods)
         if (!method.distance.empty())
             csv += "," + quoted("distance_" + method.name);
+    for (const size_t i : beyond_usual_localisers(evaluation))
+        csv += "," + quoted("recall_percent_" + evaluation.localisers[i].name);
     csv += ",without_truth,note\n";
+    const std::vector<LocaliserRow> rows = localiser_rows(evaluation);
+    auto row = rows.begin();
     const size_t columns = evaluation.references.size();
     for (size_t q = 0; q < evaluation.queries.size(); q++) {
         const eval::QueryResult &query = evaluation.queries[q];
@@ -193,13 +208,14 @@ std::string csv_of(const eval::Evaluation &evaluation)
             for (const eval::MethodResult &method : evaluation.methods)
                 if (!method.distance.empty())
                     csv += "," + program::Json(method.distance[cell]).dump();
-            csv += end_of_row(pair->outcome, "");
+            csv += localiser_cells(evaluation, *row++) + end_of_row(pair->outcome, "");
             ++pair;
         }
         csv += csv_row(name, "all", query.all);
         for (const eval::MethodResult &method : evaluation.methods)
             csv += method.distance.empty() ? "" : ",";
-        csv += end_of_row(query.all, eval::truth_ranks(evaluation, q) ? "" : ranks_nothing);
+        csv += localiser_cells(evaluation, *row++) +
+               end_of_row(query.all, eval::truth_ranks(evaluation, q) ? "" : ranks_nothing);
     }
     return csv;
 }

@@ -36,6 +36,9 @@ class NpyFiles
         for (const eval::MethodResult &method : evaluation_.methods)
             if (!method.distance.empty())
                 write_npy(path("distance_" + method.name), shape, method.distance);
+        for (const eval::LocaliserResult &result : evaluation_.localisers)
+            write_npy(path("recall_" + result.name),
+                      result.in_each ? shape : std::vector<size_t>{shape[0]}, result.recall);
         program::Json index;
         for (const eval::QueryResult &query : evaluation_.queries)
             index["queries"].push_back(traversal(query.traversal).name);

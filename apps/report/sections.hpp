@@ -26,6 +26,9 @@ std::string matrices_section(const eval::Evaluation &evaluation);
 // Distance against recall, with a chart per method.
 std::string correlation_section(const eval::Evaluation &evaluation);
 
+// The localisers side by side, with their confidence.
+std::string localisers_section(const eval::Evaluation &evaluation);
+
 // Pictures of right and wrong matches in the first choice. Reads picture files.
 std::string matches_section(const eval::Evaluation &evaluation);
 

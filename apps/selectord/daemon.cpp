@@ -45,7 +45,7 @@ Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
     : config_(config), map_(map), backbone_(backbone),
       is_replay_(vdna_transport_is_log(config.url.c_str()) != 0),
       selector_(map.candidates(), map.experiences().front().identity.dim, warmup_of(config),
-                config.map_directory, static_cast<int64_t>(config.late_seconds * 1e6)),
+                config.map_directory, {static_cast<int64_t>(config.late_seconds * 1e6)}),
       ranking_(map, backbone.info()), waiting_(config, is_replay_)
 {
 }

@@ -325,8 +325,7 @@ Verdict Waiting::describe(Cause cause, const Facts &now) const
             now.refusal, config_.max_image_pixels);
         break;
     case Cause::restarts:
-        out.add("the warmup began anew %" PRIu64
-                " time%s so far, the last time because %.100s; see "
+        out.add("the warmup began anew %" PRIu64 " time%s so far, the last time %.100s; see "
                 "to the camera's clock, and that one camera only sends on ",
                 now.restarts, now.restarts == 1 ? "" : "s", now.restart_reason);
         out.add_channel(camera.c_str());

@@ -26,7 +26,7 @@ struct Facts {
     uint64_t still = 0;              // the newest used frames that did not move camera time
     uint64_t restarts = 0;           // warmups begun anew
     const char *refusal = "";        // why the newest refused frame was refused
-    const char *restart_reason = ""; // why the newest of these warmups began anew
+    const char *restart_reason = ""; // "because ...": the newest of these warmups
 };
 
 enum class Cause { none, silence, other_type, oversized, refused, restarts, still, late };

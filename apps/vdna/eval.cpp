@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "eval/ablation.hpp"
+#include "eval/compare_localisers.hpp"
 #include "program/exit_code.hpp"
 #include "program/replaced_file.hpp"
 #include "record/ranges.hpp"
@@ -37,6 +38,7 @@ struct EvalOptions {
     std::optional<uint32_t> stride;
     uint32_t range_rule = VDNA_RANGE_ABOUT_MIDPOINT;
     std::vector<std::string> ablate;
+    std::vector<std::string> localisers = eval::usual_localisers;
     std::string cache, json, csv, npy, html;
     std::string command_line; // as given
 };
@@ -173,6 +175,7 @@ void run(const EvalOptions &o)
     eval::Binning binning(frames, o.taps, o.range_rule);
     eval::Evaluation evaluation = eval::evaluate(frames, binning, settings);
     evaluation.dataset = o.dataset;
+    evaluation.localisers = eval::compare_localisers(evaluation, o.localisers);
     std::vector<eval::Ablation> ablations;
     for (const std::string &kind : o.ablate)
         ablations.push_back(eval::ablate(frames, settings, {kind, o.bins, o.warmup, o.range_rule}));
@@ -250,6 +253,15 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
         ->delimiter(',')
         ->check(CLI::IsMember(eval::ablation_kinds).description(""))
         ->type_name("WHAT");
+    command
+        .add_option("--localisers", o.localisers,
+                    "ways to localise to compare: nn (nearest frame, in each reference), seqslam "
+                    "(sequences of 10 frames, in each), fused (nearest frame in the mean of all "
+                    "references), all (nearest frame of all references)")
+        ->delimiter(',')
+        ->check(CLI::IsMember(eval::localiser_keys()).description(""))
+        ->type_name("NAME")
+        ->default_str("nn,all");
 }
 
 void add_output_options(CLI::App &command, EvalOptions &o)
@@ -292,7 +304,8 @@ void add_eval(CLI::App &app)
         "Examples:\n"
         "  vdna eval runs/ --tolerance 5 --json result.json\n"
         "  vdna eval nordland/ --protocol nordland --backbone cosplace_resnet101_128\n"
-        "  vdna eval runs/ --ablate bins --bins 10,100,1000");
+        "  vdna eval runs/ --ablate bins --bins 10,100,1000\n"
+        "  vdna eval runs/ --localisers nn,seqslam,fused,all --html report.html");
     command->callback([options, command] {
         options->command_line = command_line_of(*command);
         run(*options);

@@ -59,7 +59,7 @@ void add_source_options(CLI::App &command, frames::SourceOptions &options)
 {
     command
         .add_option("--rate", options.rate_hz,
-                    "frames per second of pictures whose labels have no utime")
+                    "frames per second of pictures and videos that have no times")
         ->check(CLI::Validator(CLI::PositiveNumber).description(""))
         ->type_name("HZ")
         ->capture_default_str();

@@ -1,5 +1,6 @@
 // vdna rank - orders experiences by the distance of their Visual DNA to a query.
 #include <iomanip>
+#include <memory>
 
 #include <vdna/cpp/error.hpp>
 #include <vdna/cpp/map.hpp>
@@ -115,6 +116,14 @@ bool feed(Selector &selector, const record::Pass &pass)
     return answer.newly_ranked != 0;
 }
 
+std::string restart_note(const vdna_select &select)
+{
+    const uint64_t restarts = vdna_select_restarts(&select);
+    return "the warmup began anew " + std::to_string(restarts) +
+           (restarts == 1 ? " time, " : " times, the last time ") +
+           vdna_restart_text(vdna_select_restart_cause(&select));
+}
+
 // Why a warmup did not end, and what to do.
 std::string reason_of(const vdna_select &select, const frames::Account &account)
 {
@@ -123,9 +132,7 @@ std::string reason_of(const vdna_select &select, const frames::Account &account)
     if (frames > 1 && vdna_select_time(&select)->still + 1 >= frames)
         return "camera time stands still, so give --warmup in frames";
     if (restarts > 0)
-        return "it began anew " + std::to_string(restarts) + " times, " +
-               vdna_restart_text(vdna_select_restart_cause(&select)) +
-               std::string("; correct the stamps");
+        return restart_note(select) + "; correct the stamps";
     if (account.bad > 0)
         return std::to_string(account.bad) +
                " bad frames are left out, the first: " + account.first_bad;
@@ -144,21 +151,30 @@ std::string reason_of(const vdna_select &select, const frames::Account &account)
                 reason_of(select, account));
 }
 
+// A selector among these experiences of a map, for frames of a source.
+std::unique_ptr<Selector> selector_of(const RankOptions &options, const Map &map,
+                                      const std::vector<size_t> &picked)
+{
+    if (picked.empty())
+        throw Error(options.paths[1] + ": --exclude leaves no experience to rank");
+    std::vector<vdna_select_candidate> candidates;
+    for (const size_t i : picked)
+        candidates.push_back(map.candidates()[i]);
+    // A source's times are in microseconds already.
+    const Stamps stamps = {static_cast<int64_t>(options.source.late_s * 1e6), VDNA_TIME_UNIT_US};
+    return std::make_unique<Selector>(std::move(candidates), map.experiences().front().identity.dim,
+                                      record::warmup_of(options.warmup, options.warmup_frames_min),
+                                      options.paths[1], stamps);
+}
+
 // Rank a map by the first frames of a source, as the daemon would.
 Ranking rank_live(const RankOptions &options)
 {
     const std::string &source = options.paths[0];
     const Map map(options.paths[1]);
-    const std::vector<size_t> picked = record::all_but(map, options.exclude);
-    if (picked.empty())
-        throw Error(options.paths[1] + ": --exclude leaves no experience to rank");
     const vdna_experience &first = map.experiences().front();
-    std::vector<vdna_select_candidate> candidates;
-    for (const size_t i : picked)
-        candidates.push_back(map.candidates()[i]);
-    Selector selector(std::move(candidates), first.identity.dim,
-                      record::warmup_of(options.warmup, options.warmup_frames_min),
-                      options.paths[1], static_cast<int64_t>(options.source.late_s * 1e6));
+    const std::vector<size_t> picked = record::all_but(map, options.exclude);
+    const std::unique_ptr<Selector> selector = selector_of(options, map, picked);
     Backbone backbone(options.network.backbone.empty() ? first.identity.backbone
                                                        : options.network.backbone,
                       options.network.threads);
@@ -168,24 +184,27 @@ Ranking rank_live(const RankOptions &options)
     Ranking ranking;
     bool complete = false;
     while (!complete && pass.next()) {
-        complete = feed(selector, pass);
+        complete = feed(*selector, pass);
         ranking.without_truth += pass.frame().label.lacks_truth;
     }
     if (!complete)
-        complain_of_incomplete_warmup(options, *selector.get(), pass.account());
-    tell(source, pass.account());
+        complain_of_incomplete_warmup(options, *selector->get(), pass.account());
+
     ranking.query = source;
-    ranking.frames = vdna_select_window_frames(selector.get());
-    ranking.restarts = vdna_select_restarts(selector.get());
+    ranking.frames = vdna_select_window_frames(selector->get());
+    ranking.restarts = vdna_select_restarts(selector->get());
     ranking.account = pass.account();
-    const vdna_rank_entry *const entries = vdna_select_ranking(selector.get(), nullptr);
+    if (ranking.restarts > 0)
+        ranking.account.notes.push_back(restart_note(*selector->get()));
+    tell(source, ranking.account);
+    const vdna_rank_entry *const entries = vdna_select_ranking(selector->get(), nullptr);
     ranking.entries.assign(entries, entries + picked.size());
     for (const size_t i : picked)
         ranking.names.push_back(map.experiences()[i].name);
     if (options.per_tap) {
         vdna_hist_view live;
-        vdna_select_live(selector.get(), &live);
-        add_taps(ranking, first.identity.taps, live, views_of(selector));
+        vdna_select_live(selector->get(), &live);
+        add_taps(ranking, first.identity.taps, live, views_of(*selector));
     }
     return ranking;
 }

@@ -134,7 +134,7 @@ static void go_on(vdna_camera_time *time, int64_t utime)
 /* Whether a stamp earlier than the newest is late, not a step back. */
 static int is_late(const vdna_camera_time *time, int64_t utime)
 {
-    return between(utime, time->newest_us) <= (uint64_t)time->late_us ||
+    return vdna_elapsed_us(utime, time->newest_us) <= (uint64_t)time->late_us ||
            (time->before_us != time->newest_us && utime >= time->before_us);
 }
 

@@ -7,7 +7,7 @@ static int is_after(const int64_t *places, uint32_t a, uint32_t b)
 }
 
 /* Let a frame of a heap, whose parents come after their children, sink to where it belongs. */
-static void sink(const int64_t *places, vdna_place_window *heap, uint32_t count, uint32_t at)
+static void sink_place(const int64_t *places, vdna_place_window *heap, uint32_t count, uint32_t at)
 {
     const uint32_t frame = heap[at].frame;
     while (at < count / 2) {
@@ -28,12 +28,12 @@ static void sort_frames(const int64_t *places, vdna_place_window *windows, uint3
     for (uint32_t i = 0; i < count; i++)
         windows[i].frame = i;
     for (uint32_t at = count / 2; at-- > 0;)
-        sink(places, windows, count, at);
+        sink_place(places, windows, count, at);
     for (uint32_t last = count; last-- > 1;) {
         const uint32_t frame = windows[0].frame;
         windows[0].frame = windows[last].frame;
         windows[last].frame = frame;
-        sink(places, windows, last, 0);
+        sink_place(places, windows, last, 0);
     }
 }
 

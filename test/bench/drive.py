@@ -10,6 +10,7 @@ from measure import waited
 from selectord import Camera, image_message
 
 PATIENCE = 120  # seconds
+PERIOD_US = 100_000  # of the camera
 FINGERPRINTS = Path(__file__).resolve().parents[2] / "lcmtypes" / "fingerprints.txt"
 RESET = 1  # of vdna_msg.command_t
 
@@ -46,9 +47,9 @@ class Drive:
         self._camera, self._answers, self._daemon = camera, answers, daemon
         self.asked = []
 
-    def ask(self, utime, picture):
-        """Send one picture and wait for its answer."""
-        message = image_message(utime, picture)
+    def ask(self, number, picture):
+        """Send one picture, the number-th of the camera, and wait for its answer."""
+        message = image_message(number * PERIOD_US, picture)
         before = waited(self._daemon.pid) + waited()
         begin, ranked = time.perf_counter(), None
         self._camera.send(message)

@@ -98,11 +98,11 @@ class Network(WithConfiguration):
                          [[match[field] for field in fields] for match in matches])
 
     def test_warms_up_for_a_time(self):
-        said = self.drive("--warmup-seconds", 0.75)
-        # Stamps are 0.0, 0.1, ... 0.7; the frame of 0.8 completes the window and is localised.
-        self.assertEqual(said.of("ranking")[0]["window_frames"], 8)
+        said = self.drive("--warmup-seconds", 1.15)
+        # Stamps are 0.0, 0.1, ... 1.1; the frame of 1.2 completes the window and is localised.
+        self.assertEqual(said.of("ranking")[0]["window_frames"], 12)
         self.assertEqual([answer["validity"] for answer in said.of("localisation")],
-                         ["WARMING_UP"] * 8 + ["VALID"] * (FRAMES - 8))
+                         ["WARMING_UP"] * 12 + ["VALID"] * (FRAMES - 12))
 
     def test_a_reset_command_makes_it_choose_again(self):
         with Watch() as watch, Selectord("--map", MAP, "--warmup-frames", 4) as daemon:
@@ -158,13 +158,13 @@ class Network(WithConfiguration):
 
     def test_time_that_runs_backwards_begins_the_warmup_anew(self):
         with Watch() as watch, Camera() as camera, Selectord("--map", MAP, "--warmup-frames", 3):
-            for utime in (10, 20, 5, 6, 7):
-                camera.send_jpeg(utime, first_picture())
+            for tenths in (100, 101, 50, 51, 52):
+                camera.send_jpeg(tenths * 100000, first_picture())
                 watch.wait_for("localisation")
             status = watch.wait_for("status", has_answered(5))
         self.assertEqual(status["restarts"], 1)
         self.assertEqual([(ranking["window_begin_utime"], ranking["utime"])
-                          for ranking in watch.of("ranking")], [(5, 7)])
+                          for ranking in watch.of("ranking")], [(5000000, 5200000)])
 
     def test_status_comes_once_a_second_without_frames(self):
         with Watch() as watch, Selectord("--map", MAP) as daemon:
@@ -307,10 +307,13 @@ class Waiting(WithConfiguration):
                 stack.enter_context(sender)
             watch.wait_for("status", lambda status: words in status["message"], 10)
             watch.collect(2.5)
-            self.assertIn(words, watch.of("status")[-1]["message"])
+            # On a busy machine a second may pass without a frame, and so without a verdict.
+            said = [status["message"] for status in watch.of("status")[-3:]
+                    if words in status["message"]]
+            self.assertTrue(said, watch.of("status")[-3:])
             self.assertTrue(daemon.is_running())
         self.assertEqual(len([line for line in daemon.log if words in line]), 1, daemon.log)
-        return watch.of("status")[-1]["message"]
+        return said[-1]
 
     def test_nothing_at_all(self):
         said = self.assert_said("nor on any other channel", [])
@@ -353,7 +356,7 @@ class Waiting(WithConfiguration):
     def test_a_warmup_that_begins_anew_with_every_other_frame(self):
         picture = first_picture()
         self.assert_said("the warmup began anew ",
-                         [Sender("CAMERA", lambda n: image_message(n % 2 * 10**7, picture))])
+                         [Sender("CAMERA", lambda n: image_message(n % 2 * 10**7 - n * 2 * 10**6, picture))])
 
     def test_camera_time_that_stands_still(self):
         picture = first_picture()
@@ -385,19 +388,19 @@ class Replay(unittest.TestCase):
     """A daemon that reads a log."""
 
     def setUp(self):
+        self.warmup = ["--warmup-frames", WARMUP]
         self.answers = os.path.join(WORK, f"{self.id()}.jsonl")
         if os.path.exists(self.answers):
             os.unlink(self.answers)
 
-    def log(self, channel="CAMERA"):
+    def log(self, channel="CAMERA", stamp=lambda number: number * 100000):
         pictures = jpegs_in(LIVE)
         return lcm_log(os.path.join(WORK, f"{self.id()}.log"),
-                       [(channel, image_message(number * 100000, picture))
+                       [(channel, image_message(stamp(number), picture))
                         for number, picture in enumerate(pictures)])
 
     def replay(self, log, *options, speed=0):
-        return selectord("--map", MAP, "--warmup-frames", WARMUP, "-l",
-                         f"file://{log}?speed={speed}", *options)
+        return selectord("--map", MAP, *self.warmup, "-l", f"file://{log}?speed={speed}", *options)
 
     def read_answers(self):
         with open(self.answers, "rb") as file:
@@ -450,6 +453,34 @@ class Replay(unittest.TestCase):
         result = self.replay(log, "--answers", self.answers)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn(f"{FRAMES} frames answered", result.stderr)
+
+    def answers_to(self, stamp, *options):
+        """The windows of the rankings, and the stamps of the localised frames."""
+        result = self.replay(self.log(stamp=stamp), "--answers", self.answers, *options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        answers = [json.loads(line) for line in self.read_answers().splitlines()]
+        return ([answer["window_frames"] for answer in answers if "window_frames" in answer],
+                [answer["utime"] for answer in answers if answer["channel"] == "VDNA_LOCALISATION"])
+
+    def test_late_frames_are_not_answered_and_do_not_keep_the_warmup_from_ending(self):
+        # Of each six, the third comes after the fourth.
+        swapped = {2: 3, 3: 2}
+        windows, stamps = self.answers_to(
+            lambda number: (number - number % 6 + swapped.get(number % 6, number % 6)) * 33333)
+        self.assertEqual(windows, [WARMUP])
+        self.assertEqual(len(stamps), FRAMES - FRAMES // 6)
+        self.assertEqual(stamps, sorted(stamps))
+
+    def test_stamps_in_another_unit_fill_a_warmup_in_seconds(self):
+        begin = 1_700_000_000
+        for stamp in (lambda number: begin * 10**9 + number * 10**8,
+                      lambda number: begin * 10**3 + number * 10**2,
+                      lambda number: begin + number // 10):
+            with self.subTest(first=stamp(0)):
+                # The other units are known from the ninth frame on, or the first one that differs.
+                self.warmup = ["--warmup-seconds", 1]
+                windows, _ = self.answers_to(stamp)
+                self.assertEqual(windows, [10])
 
     def test_a_full_disk_is_an_error(self):
         result = self.replay(self.log(), "--answers", "/dev/full")
@@ -550,7 +581,7 @@ class CommandLine(WithConfiguration):
                             "udpm://239.255.76.67:7667?ttl=0", "--print-config")
         self.assertEqual(printed.returncode, 0, printed.stderr)
         self.assertIn("seconds = 2.5", printed.stdout)
-        self.assertNotIn("frames", printed.stdout)
+        self.assertNotIn("\nframes =", printed.stdout)
         again = selectord("-c", self.configure(printed.stdout), "--print-config")
         self.assertEqual(again.stdout, printed.stdout)
 
@@ -559,7 +590,7 @@ class CommandLine(WithConfiguration):
         printed = selectord("--warmup-frames", 7, "-c", path, "--print-config").stdout
         self.assertIn("directory = '/file'", printed)
         self.assertIn("frames = 7", printed)
-        self.assertNotIn("seconds", printed)
+        self.assertNotIn("\nseconds", printed)
 
     def test_check_opens_everything_but_the_network(self):
         result = selectord("--map", MAP, "--check", "-l", "nonsense://")

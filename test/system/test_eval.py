@@ -81,15 +81,61 @@ def frechet(a, b):
 
 def recall(live, truth, others, truths, tolerance):
     """Recall@1, @5, @10 in percent, and the unreachable frames."""
-    apart = np.abs(truth[:, None] - truths[None, :])
-    if truth.ndim == 2:
-        apart = np.sqrt(((truth[:, None, :] - truths[None, :, :]) ** 2).sum(axis=2))
-    good = apart <= tolerance
+    good = apart(truth, truths) <= tolerance
     squared = np.stack([((others - row) ** 2).sum(axis=1) for row in live.astype(np.float64)])
     order = np.argsort(squared, axis=1, kind="stable")
     hits = np.take_along_axis(good, order[:, :10], axis=1)
     shares = [100 * hits[:, :n].any(axis=1).sum() / len(live) for n in (1, 5, 10)]
     return shares, int((~good.any(axis=1)).sum())
+
+
+def local_contrast(rows, neighbours=5):
+    """Each distance against those up to 5 map frames away, [live][map]."""
+    padded = np.pad(rows, ((0, 0), (neighbours, neighbours)), constant_values=np.nan)
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * neighbours + 1, axis=1)
+    return (rows - np.nanmean(windows, axis=2)) / np.nanstd(windows, axis=2)
+
+
+def seqslam(drive, others, asked):
+    """The best line of 10 frames through the contrasts; drive: all frames from the warmup on."""
+    rows = local_contrast(np.stack([np.linalg.norm(others - row, axis=1) for row in drive]))
+    ends = np.arange(len(others))[:, None]
+    found = []
+    for t in asked:
+        back = np.arange(min(10, t + 1))
+        sums = [rows[t - back, np.maximum(ends - (v * back + 5) // 10, 0)].sum(axis=1)
+                for v in (8, 9, 10, 11, 12)]
+        found.append(np.min(sums, axis=0).argmin())
+    return np.array(found)
+
+
+def apart(truth, truths):
+    if truth.ndim == 1:
+        return np.abs(truth[:, None] - truths[None, :])
+    return np.sqrt(((truth[:, None, :] - truths[None, :, :]) ** 2).sum(axis=2))
+
+
+def fused(maps, truths, tolerance):
+    """The mean map: embeddings and ground truth of its places."""
+    sums, counts, places = maps[0].astype(np.float64), np.ones(len(maps[0])), truths[0]
+    for frames, truth in zip(maps[1:], truths[1:], strict=True):
+        between = apart(places, truth)
+        nearest = between.argmin(axis=1)
+        near = between[np.arange(len(places)), nearest] <= tolerance
+        sums[near] += frames[nearest[near]]
+        counts[near] += 1
+        new = ~(between <= tolerance).any(axis=0)
+        sums = np.concatenate([sums, frames[new].astype(np.float64)])
+        counts = np.concatenate([counts, np.ones(new.sum())])
+        places = np.concatenate([places, truth[new]])
+    return (sums / counts[:, None]).astype(np.float32), places
+
+
+def interval(values):
+    """95 % bootstrap interval of the mean."""
+    values = np.array(values)
+    picks = np.random.RandomState(1).randint(0, 2 ** 32, (2000, len(values)), dtype=np.uint32)
+    return np.quantile(values[picks % len(values)].mean(axis=1), [.025, .975])
 
 
 class Exported:
@@ -140,10 +186,12 @@ class Evaluation(unittest.TestCase):
 
     def agrees(self, *arguments):
         """Run and compare everything with NumPy."""
-        self.evaluate(*arguments, "--npy", self.folder / "npy")
+        self.evaluate(*arguments, "--npy", self.folder / "npy", "--localisers",
+                      "nn,seqslam,fused,all")
         found = Exported(self.folder)
         for query in found.queries:
             self.query_agrees(found, query)
+        self.means_agree(found.json)
 
     def query_agrees(self, found, query):
         result = found.json
@@ -171,9 +219,36 @@ class Evaluation(unittest.TestCase):
             self.recall_agrees(result, query, name, recall(live, live_truth, maps[i], truths[i],
                                                            result["tolerance"]))
             self.matrices_agree(found, query, name, live, maps[i])
+            answers = seqslam(embeddings, maps[i],
+                              range(warmup, len(embeddings), result["stride"]))
+            good = apart(live_truth, truths[i])[np.arange(len(live)), answers] <= result["tolerance"]
+            self.assertEqual(result["localisers"]["seqslam"]["recall"][query][name],
+                             100 * good.sum() / len(live), where)
+        (expected, _, _), _ = recall(live, live_truth, *fused(maps, truths, result["tolerance"]),
+                                     result["tolerance"])
+        self.assertEqual(result["localisers"]["fused"]["recall"][query], {"all": expected}, query)
         self.recall_agrees(result, query, "all",
                            recall(live, live_truth, np.concatenate(maps), np.concatenate(truths),
                                   result["tolerance"]))
+
+    def means_agree(self, result):
+        """Means over queries with intervals, over references and in the first choice."""
+        self.assertEqual(list(result["localisers"]), ["nn", "seqslam", "fused", "all"])
+        for name, found in result["localisers"].items():
+            means, chosen = [], []
+            for query, row in found["recall"].items():
+                nearest = result["distance"]["vdna"][query]
+                means.append(np.mean(list(row.values())))
+                chosen.append(row.get(min(nearest, key=nearest.get), row.get("all")))
+            for kind, values in (("mean", means), ("first_choice", chosen)):
+                np.testing.assert_allclose(
+                    [found[kind][key] for key in ("recall", "low", "high")],
+                    [np.mean(values), *interval(values)], rtol=1e-9, err_msg=f"{name} {kind}")
+        for name in ("nn", "all"):
+            for query, row in result["localisers"][name]["recall"].items():
+                expected = {reference: value for reference, value in result["recall"][query].items()
+                            if (reference == "all") == (name == "all")}
+                self.assertEqual(row, expected)
 
     def recall_agrees(self, result, query, name, expected):
         (at_1, at_5, at_10), unreachable = expected
@@ -334,6 +409,24 @@ class Results(OwnSet):
         self.assertRegex(pixel[1], r"- dusk \*$")
         self.assertRegex(pixel[2], r"- noon \*$")
 
+    def test_the_usual_localisers_are_compared_without_being_named(self):
+        result = self.evaluate(self.dataset)
+        self.assertEqual(list(result["localisers"]), ["nn", "all"])
+
+    def test_localisers_have_a_column_a_table_and_an_array(self):
+        done = vdna("eval", self.dataset, "--cache", self.cache, "--localisers", "fused,seqslam",
+                    "--csv", self.folder / "result.csv", "--npy", self.folder / "npy")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"\nseqslam +[\d.]+ \([\d.]+ to [\d.]+\)  ")
+        self.assertRegex(done.stdout, r"\nquery  reference  seqslam  fused\ndawn   dusk  ")
+        lines = (self.folder / "result.csv").read_text().splitlines()
+        self.assertTrue(lines[0].endswith(
+            "distance_pixel,recall_percent_seqslam,recall_percent_fused,without_truth,note"))
+        self.assertRegex(lines[1], r",[\d.]+,,0,$")
+        self.assertRegex(lines[3], r",,,,,[\d.]+,0,$")
+        self.assertEqual(np.load(self.folder / "npy/recall_seqslam.npy").shape, (3, 3))
+        self.assertEqual(np.load(self.folder / "npy/recall_fused.npy").shape, (3,))
+
     def test_an_ablation_has_a_row_for_each_value(self):
         result = self.evaluate(self.dataset, "--ablate", "bins,warmup,tap,leave-one-out", "--bins",
                                "10,1000", "--warmup", "3,4")
@@ -358,6 +451,8 @@ class Results(OwnSet):
         self.assertIn("--ablate bins", self.refused(self.dataset, "--bins", "10,20", code=2))
         self.assertIn("set --warmup", self.refused(self.dataset, "--warmup", 12))
         self.assertIn("embedding", self.refused(self.dataset, "--taps", "layer9", code=2))
+        self.assertRegex(self.refused(self.dataset, "--localisers", "gps", code=2),
+                         "nn.*seqslam.*fused.*all")
 
     def test_a_picture_that_cannot_be_decoded_is_named_or_left_out(self):
         (self.dataset / "dusk/005.ppm").write_bytes(b"P6\nnot a picture")
@@ -417,6 +512,24 @@ class DataSets(Evaluation):
         self.assertEqual(result["recall"]["a"]["b"], 100)
         np.testing.assert_array_equal(np.load(self.folder / "npy/position_a.npy")[1],
                                       [551020.5, 4182105.25, 0])
+
+    def test_the_tolerance_has_one_unit_although_some_traversals_have_two_labels(self):
+        # Only one of three has no positions, so all are judged by places: those of `a` and `b` are
+        # a place apart, and 1000 metres.
+        for name, columns, shift in (("_", "file,place", 0), ("a", "file,place,x,y", 0),
+                                     ("b", "file,place,x,y", 1)):
+            folder = self.folder / "set" / name
+            self.pictures(folder, [f"{i:02}.ppm" for i in range(8)])
+            rows = [f"{i:02}.ppm,{i + shift},{1000 * (i + shift)},0" for i in range(8)]
+            (folder / "labels.csv").write_text("\n".join(
+                [columns, *(",".join(row.split(",")[:len(columns.split(","))]) for row in rows)]))
+        result = self.evaluate(self.folder / "set", "--warmup", 2, "--tolerance", 1,
+                               "--localisers", "nn,seqslam,fused,all", "--npy", self.folder / "npy")
+        self.assertEqual(result["unit"], "places")
+        self.assertEqual(result["recall"]["a"], {"_": 100, "b": 100, "all": 100})
+        self.assertEqual(result["localisers"]["seqslam"]["recall"]["a"]["b"], 100)
+        truth = np.load(self.folder / "npy/ground_truth_a_b.npy")
+        self.assertEqual(truth[0].tolist(), [1, 0, 1, 2, 3, 4, 5, 6])
 
     def test_utm_zones_do_not_mix(self):
         self.pictures(self.folder / "set/a", ["@1@2@10@S@.ppm"])

@@ -6,6 +6,7 @@ import datetime
 import math
 import unittest
 
+from selectord import image_message, lcm_log
 from test_cli import Experience, Scratch
 
 FRAMES = 60
@@ -129,6 +130,40 @@ class Localise(Drives):
         self.assertEqual(len(good), FRAMES)
         self.assertIn(True, good)
         self.assertEqual(found["good"], sum(good))
+
+
+class ReadmeUser(Drives):
+    """The four commands of the README: a video, a log and a folder of 1.jpg, 2.jpg ..., each with the
+    track of a phone."""
+
+    def test_gets_a_labelled_map_and_the_right_place(self):
+        clock = ["--time-offset", START.isoformat()]
+        pictures = {name: self.gpx(f"{name}.gpx", self.drive(
+            name, "--condition", condition, "--drive", number, "--variation", 0.5))
+            for number, (name, condition) in enumerate(
+                {"today": "summer", "winter": "winter", "night": "night"}.items(), 2)}
+        summer = self.gpx("summer.gpx", self.places)
+        jpegs = sorted((self.folder / "summer").glob("*.jpg"))
+        (self.folder / "summer.mjpeg").write_bytes(b"".join(j.read_bytes() for j in jpegs))
+        lcm_log(self.folder / "winter.lcm", [
+            ("CAMERA", image_message(microseconds(i / RATE), picture.read_bytes()))
+            for i, picture in enumerate(sorted((self.folder / "winter").glob("*.jpg")))])
+        for i, picture in enumerate(sorted((self.folder / "night").glob("*.jpg"))):
+            picture.rename(picture.with_name(f"{i + 1}.jpg"))
+
+        self.vdna("build", "map", "summer.mjpeg", "--rate", RATE, "--gps", summer, *clock)
+        self.vdna("build", "map", "winter.lcm", "--gps", pictures["winter"])
+        self.vdna("build", "map", "night", "--rate", RATE, "--gps", pictures["night"], *clock)
+        found = self.vdna_json("localise", "today", "map", "--skip", 10, "--rate", RATE,
+                               "--gps", pictures["today"], *clock)
+
+        recall = {c["experience"]: c["recall_percent"] for c in found["candidates"]}
+        self.assertGreaterEqual(recall["summer"], 90)
+        orders = {e["experience"]: e["order"]
+                  for e in self.vdna_json("info", "map")["experiences"]}
+        self.assertEqual(orders, {"summer": "video", "winter": "log", "night": "numbers"})
+        for experience in self.vdna_json("info", "map")["experiences"]:
+            self.assertEqual(experience["labels"]["position_frame"], "wgs84")
 
 
 if __name__ == "__main__":

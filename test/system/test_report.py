@@ -168,6 +168,24 @@ class Report(unittest.TestCase):
                     seen.add(kind)
         self.assertGreaterEqual(seen, {"", "one"}, "the data set shows both")
 
+    def test_the_localisers_are_those_of_the_json(self):
+        page = Page(self.evaluate("--localisers", "nn,seqslam,fused,all"))
+        self.assertEqual(page.open, [])
+        result = json.loads((self.folder / "result.json").read_text())["localisers"]
+        rows = page.table("Localisers: Recall@1")[1:]
+        self.assertEqual([row[1][1] for row in rows], list(result))
+        for row in rows:
+            for cell, kind in zip(row[2:], ("mean", "first_choice"), strict=True):
+                found = result[row[1][1]][kind]
+                self.assertEqual(
+                    cell[1],
+                    f"{found['recall']:.2f} ({found['low']:.2f} to {found['high']:.2f})")
+        shown = [[text for _, text in row] for row in page.table("Recall@1 in % by localiser")[1:]]
+        for query, reference, *values in shown:
+            self.assertEqual(values, ["" if reference not in found["recall"][query] else
+                                      f"{found['recall'][query][reference]:.2f}"
+                                      for found in result.values()])
+
     def test_a_report_that_cannot_be_written_leaves_nothing(self):
         folder = self.folder / "taken.html"
         folder.mkdir()

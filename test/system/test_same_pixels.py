@@ -8,6 +8,7 @@ the left and the right half of a picture, so a rotated picture would give other 
 import contextlib
 import functools
 import hashlib
+import json
 import os
 import shutil
 import signal
@@ -227,11 +228,19 @@ def prepare():
 
 
 def build(kind, source):
-    """The bytes of the experience file built from a source."""
+    """Metadata and tensors of the experience file built from a source, but for what ordered the
+    frames, which differs, and the checksum."""
     folder = os.path.join(WORK, kind, "built")
     vdna("build", folder, "--backbone", NETWORK, "--name", "live", "--force", "--ranges",
          os.path.join(MAP, "summer.vdna"), source)
-    return read(os.path.join(folder, "live.vdna"))
+    data = read(os.path.join(folder, "live.vdna"))
+    begin = 8 + struct.unpack_from("<Q", data)[0]
+    header = json.loads(data[8:begin])
+    metadata = header.pop("__metadata__")
+    metadata.pop("order")
+    header.pop("crc32c")
+    return metadata, {name: data[begin + tensor["data_offsets"][0]:begin + tensor["data_offsets"][1]]
+                      for name, tensor in header.items()}
 
 
 def distances(ranking):

@@ -18,9 +18,9 @@ Kind kind_of(const Bytes &file);
 
 // Endings of the names of picture files that we read, and of known ones that we do not; lower case,
 // with the dot. The first group of a kind is the usual one.
-inline constexpr std::array<std::string_view, 13> file_endings = {
-    ".jpg", ".jpeg", ".jpe", ".png", ".webp", ".bmp", ".dib",
-    ".tif", ".tiff", ".ppm", ".pgm", ".pbm",  ".pnm"};
+inline constexpr std::array<std::string_view, 14> file_endings = {
+    ".jpg", ".jpeg", ".jpe",  ".jfif", ".png", ".webp", ".bmp",
+    ".dib", ".tif",  ".tiff", ".ppm",  ".pgm", ".pbm",  ".pnm"};
 inline constexpr std::array<std::string_view, 28> unreadable_endings = {
     ".gif", ".heic", ".heif", ".hif", ".avif", ".jxl", ".jp2", ".j2k", ".jpx", ".exr",
     ".hdr", ".pam",  ".pfm",  ".tga", ".psd",  ".ico", ".svg", ".dng", ".cr2", ".cr3",

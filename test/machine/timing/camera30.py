@@ -3,10 +3,11 @@ import threading
 import time
 
 PERIOD = 1 / 30  # seconds
+PERIOD_US = round(PERIOD * 1e6)
 
 
 class Camera30:
-    """Sends pictures in turn from a thread, numbered by their stamp, until the block ends."""
+    """Sends pictures in turn from a thread, stamped at a regular beat, until the block ends."""
 
     def __init__(self, camera, pictures):
         self._camera, self._pictures = camera, pictures
@@ -25,6 +26,7 @@ class Camera30:
     def _run(self):
         next_time = time.monotonic()
         while not self._stop.wait(max(0, next_time - time.monotonic())):
-            self._camera.send_jpeg(self.sent, self._pictures[self.sent % len(self._pictures)])
+            self._camera.send_jpeg(self.sent * PERIOD_US,
+                                   self._pictures[self.sent % len(self._pictures)])
             self.sent += 1
             next_time += PERIOD

@@ -22,8 +22,7 @@ static int64_t feed(vdna_camera_time *time, int64_t first, int64_t step, int fra
 {
     int64_t utime = 0;
     for (int i = 0; i < frames; i++)
-        assert_int_not_equal(vdna_camera_time_take(time, first + i * step, &utime),
-                             VDNA_TIME_LATE);
+        assert_int_not_equal(vdna_camera_time_take(time, first + i * step, &utime), VDNA_TIME_LATE);
     return utime;
 }
 
@@ -44,13 +43,20 @@ static void the_unit_is_recognised_by_size_or_spacing(void **state)
         int64_t first, step;
         uint32_t unit;
     } cases[] = {
-        {T0 * 1000, 33333333, VDNA_TIME_UNIT_NS},   {T0, 33333, VDNA_TIME_UNIT_US},
-        {T0 / 1000, 33, VDNA_TIME_UNIT_MS},         {T0 / 1000000, 1, VDNA_TIME_UNIT_S},
-        {0, 100000, VDNA_TIME_UNIT_US},             {0, 100, VDNA_TIME_UNIT_MS},
-        {5000, 1, VDNA_TIME_UNIT_S},                {5000, 33, VDNA_TIME_UNIT_MS},
-        {T0 / 1000000, 5, VDNA_TIME_UNIT_S},        {T0 / 1000, 2, VDNA_TIME_UNIT_MS},
-        {T0 / 1000, 33333, VDNA_TIME_UNIT_US},      {-1000000, 40000, VDNA_TIME_UNIT_US},
-        {7, 0, VDNA_TIME_UNIT_AUTO},                {0, 0, VDNA_TIME_UNIT_AUTO},
+        {T0 * 1000, 33333333, VDNA_TIME_UNIT_NS},
+        {T0, 33333, VDNA_TIME_UNIT_US},
+        {T0 / 1000, 33, VDNA_TIME_UNIT_MS},
+        {T0 / 1000000, 1, VDNA_TIME_UNIT_S},
+        {0, 100000, VDNA_TIME_UNIT_US},
+        {0, 100, VDNA_TIME_UNIT_MS},
+        {5000, 1, VDNA_TIME_UNIT_S},
+        {5000, 33, VDNA_TIME_UNIT_MS},
+        {T0 / 1000000, 5, VDNA_TIME_UNIT_S},
+        {T0 / 1000, 2, VDNA_TIME_UNIT_MS},
+        {T0 / 1000, 33333, VDNA_TIME_UNIT_US},
+        {-1000000, 40000, VDNA_TIME_UNIT_US},
+        {7, 0, VDNA_TIME_UNIT_AUTO},
+        {0, 0, VDNA_TIME_UNIT_AUTO},
         {T0 * 1000, 0, VDNA_TIME_UNIT_NS},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -67,8 +73,8 @@ static void whole_seconds_repeated_by_many_frames_are_seconds(void **state)
     uint32_t recognised = 0;
     int64_t utime = 0;
     for (int i = 0; i < 90; i++)
-        recognised += vdna_camera_time_take(&time, T0 / 1000000 + i / 30, &utime) ==
-                      VDNA_TIME_RECOGNISED;
+        recognised +=
+            vdna_camera_time_take(&time, T0 / 1000000 + i / 30, &utime) == VDNA_TIME_RECOGNISED;
     assert_int_equal(recognised, 1);
     assert_int_equal(time.unit, VDNA_TIME_UNIT_S);
     assert_true(utime == T0 + 2000000);
@@ -163,6 +169,43 @@ static void the_furthest_stamps_saturate(void **state)
     assert_int_equal(take(&time, INT64_MIN), VDNA_TIME_LATE); /* as old as the frame before */
 }
 
+static void the_unit_of_a_list_is_that_of_its_median_spacing(void **state)
+{
+    (void)state;
+    /* In any order, with stamps that repeat, and one spacing far off. */
+    const int64_t jumbled[] = {9000, 8900, 8900, 8967, 9033, 9999999, 10000032, 10000065};
+    assert_int_equal(vdna_time_unit(jumbled, 8), VDNA_TIME_UNIT_MS);
+    /* Beyond the first spacings nothing counts. */
+    int64_t long_list[20];
+    for (int64_t i = 0; i < 20; i++)
+        long_list[i] = i < 9 ? 40 * i : 1000000 * i;
+    assert_int_equal(vdna_time_unit(long_list, 20), VDNA_TIME_UNIT_MS);
+    const int64_t far_ms[] = {INT64_C(5000000000000), INT64_C(5000000000002)};
+    const int64_t far_s[] = {INT64_C(5000000000), INT64_C(5000000033)};
+    assert_int_equal(vdna_time_unit(far_ms, 2), VDNA_TIME_UNIT_S);
+    assert_int_equal(vdna_time_unit(far_s, 2), VDNA_TIME_UNIT_MS);
+    assert_int_equal(vdna_time_unit(far_s, 0), VDNA_TIME_UNIT_AUTO);
+}
+
+static void late_frames_do_not_keep_the_unit_from_being_recognised(void **state)
+{
+    (void)state;
+    /* Every other frame is late, so that more stamps differ than frames are in order. */
+    vdna_camera_time time = axis(50);
+    for (int i = 0; i < 20; i++)
+        take(&time, 5000 + 100 * (i / 2) - (i % 2 ? 40 : 0));
+    assert_int_equal(time.unit, VDNA_TIME_UNIT_MS);
+}
+
+static void a_unit_that_is_none_is_recognised(void **state)
+{
+    (void)state;
+    vdna_camera_time time;
+    vdna_camera_time_init(&time, VDNA_TIME_UNIT_S + 1, -5);
+    assert_int_equal(time.unit, VDNA_TIME_UNIT_AUTO);
+    assert_int_equal(time.late_us, 0);
+}
+
 static void every_unit_has_a_name(void **state)
 {
     (void)state;
@@ -185,6 +228,9 @@ int main(void)
         cmocka_unit_test(frames_that_do_not_move_camera_time_are_counted),
         cmocka_unit_test(an_axis_that_begins_anew_takes_any_stamp),
         cmocka_unit_test(the_furthest_stamps_saturate),
+        cmocka_unit_test(the_unit_of_a_list_is_that_of_its_median_spacing),
+        cmocka_unit_test(late_frames_do_not_keep_the_unit_from_being_recognised),
+        cmocka_unit_test(a_unit_that_is_none_is_recognised),
         cmocka_unit_test(every_unit_has_a_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -481,6 +481,18 @@ std::string write_video(const Folder &folder, const char *name, int frames)
     return video;
 }
 
+void videos_of_one_drive_follow_one_another_in_time(void **)
+{
+    const Folder folder;
+    const std::vector<Frame> frames =
+        frames_of(write_video(folder, "a.avi", 4) + "+" + write_video(folder, "b.avi", 3));
+    assert_int_equal(frames.size(), 7);
+    assert_int_equal(frames[3].utime, 600000);
+    assert_int_equal(frames[4].utime, 800000);
+    assert_int_equal(frames[6].utime, 1200000);
+    assert_int_equal(frames[6].index, 6);
+}
+
 std::string bytes_of(const std::string &path)
 {
     std::ifstream stream(path, std::ios::binary);
@@ -498,6 +510,25 @@ void a_video_that_was_cut_short_says_so(void **)
     const size_t frames = usable_frames_of(source, bad).size();
     assert_in_range(frames, 15, 30);
     assert_int_equal(frames + bad, 40);
+}
+
+// The decoder hands out the last frames of such a video after its end, when OpenCV has no times.
+void the_last_frames_of_a_video_have_times_too(void **)
+{
+    const Folder folder;
+    const std::string video = folder.path() / "v.mp4";
+    {
+        cv::VideoWriter writer(video, cv::VideoWriter::fourcc('a', 'v', 'c', '1'), 5, {64, 48});
+        if (!writer.isOpened())
+            _skip(__FILE__, __LINE__); // no H.264 encoder
+        for (int i = 0; i < 40; i++)
+            writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar(6 * i, 3 * i, i)));
+    }
+    const std::vector<Frame> frames = frames_of(video);
+    assert_int_equal(frames.size(), 40);
+    for (size_t i = 0; i < frames.size(); i++)
+        assert_int_equal(frames[i].utime, 200000 * i);
+    assert_string_equal(notes_of(Source(video)).c_str(), "");
 }
 
 void a_video_without_a_frame_count_is_read(void **)
@@ -584,7 +615,9 @@ int main()
         cmocka_unit_test(a_table_with_more_rows_than_frames_is_told_once),
         cmocka_unit_test(files_of_one_drive_are_one_source),
         cmocka_unit_test(files_that_a_logger_cut_are_joined_by_their_numbers),
+        cmocka_unit_test(videos_of_one_drive_follow_one_another_in_time),
         cmocka_unit_test(a_video_that_was_cut_short_says_so),
+        cmocka_unit_test(the_last_frames_of_a_video_have_times_too),
         cmocka_unit_test(a_video_without_a_frame_count_is_read),
         cmocka_unit_test(a_picture_is_handed_on_as_the_bytes_of_its_file),
         cmocka_unit_test(pictures_without_times_are_dated_by_the_rate),

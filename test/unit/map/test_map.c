@@ -358,6 +358,8 @@ static void metadata_that_breaks_a_rule_is_refused(void **state)
         {"\"taps\":", "\"tap\":", "taps in __metadata__ is missing"},
         {"\"comparable\":", "\"same\":", "comparable in __metadata__ is missing"},
         {"winter", "", "name is empty"},
+        {"\"taps\":", "\"precision\":\"" SAMPLE_SHA256 "\",\"taps\":",
+         "precision in __metadata__ is too long"},
         {"\"local\"", "\"my site\"", "position_frame has a character"},
         {"\"local\"", "\"" SAMPLE_SHA256 "\"", "position_frame in __metadata__ is too long"},
         {"\"local\"", "\"wgs84\"", "the position of frame 0 is not 6.3e6 to 6.5e6 m"},

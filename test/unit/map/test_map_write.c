@@ -109,6 +109,34 @@ static void preprocessing_is_printable_ascii(void **state)
         }
 }
 
+static void an_order_need_not_be_said_and_may_not_be_too_long(void **state)
+{
+    vdna_experience e = sample_experience(), read;
+    memset(e.order, 'a', sizeof e.order);
+    assert_not_written(*state, &e, VDNA_ERR_ARG, "order is longer than");
+    const char *path = path_in(*state, "a.vdna");
+    e.order[0] = '\0';
+    e.frame_place = NULL;
+    assert_int_equal(vdna_experience_write(&e, path, NULL), VDNA_OK);
+    assert_int_equal(vdna_experience_open(path, NULL, &read), VDNA_OK);
+    assert_string_equal(read.order, "");
+    vdna_experience_close(&read);
+    e.frame_position = NULL;
+    e.frame_place = sample_experience().frame_place;
+    assert_int_equal(vdna_experience_write(&e, path, NULL), VDNA_OK);
+}
+
+static void a_position_lacks_all_of_its_numbers_or_none(void **state)
+{
+    const double some[][2][3] = {
+        {{NAN, 1, 1}}, {{NAN, NAN, 1}}, {{1, NAN, 1}}, {{NAN, 1, NAN}}, {{1, 1, NAN}}};
+    vdna_experience e = sample_experience();
+    for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
+        e.frame_position = some[i][0];
+        assert_not_written(*state, &e, VDNA_ERR_NONFINITE, "the position of frame 0");
+    }
+}
+
 static void counts_of_many_neurons_are_all_added_up(void **state)
 {
     /* One sample a neuron, in its second bin. */
@@ -305,6 +333,8 @@ int main(void)
         CASE(an_experience_that_breaks_a_rule_is_not_written),
         CASE(a_name_has_letters_digits_and_three_marks_only),
         CASE(preprocessing_is_printable_ascii),
+        CASE(an_order_need_not_be_said_and_may_not_be_too_long),
+        CASE(a_position_lacks_all_of_its_numbers_or_none),
         CASE(counts_of_many_neurons_are_all_added_up),
         CASE(a_killed_writer_leaves_the_old_file),
         CASE(the_partial_file_of_another_writer_is_left_alone),

@@ -183,6 +183,17 @@ static vdna_select_config select_config(const vdna_select_candidate *only)
     return config;
 }
 
+static void the_function_behind_the_macro_writes_what_version_0_1_had(void **state)
+{
+    (void)state;
+    vdna_select_config config;
+    memset(&config, 0xAA, sizeof config);
+    (vdna_select_config_init)(&config);
+    assert_int_equal(config.struct_size, offsetof(vdna_select_config, late_us));
+    assert_int_equal(config.warmup_frames, 0);
+    assert_int_equal(config.time_unit, 0xAAAAAAAA);
+}
+
 static void an_incomplete_config_of_a_selector_is_refused(void **state)
 {
     (void)state;
@@ -255,6 +266,7 @@ int main(void)
         cmocka_unit_test(histograms_of_another_range_or_shape_do_not_merge),
         cmocka_unit_test(a_view_that_is_no_histogram_has_no_distance),
         cmocka_unit_test(a_ranking_needs_candidates_and_a_place),
+        cmocka_unit_test(the_function_behind_the_macro_writes_what_version_0_1_had),
         cmocka_unit_test(an_incomplete_config_of_a_selector_is_refused),
         cmocka_unit_test(a_candidate_that_cannot_be_chosen_is_refused),
         cmocka_unit_test(a_selector_frame_or_answer_that_is_not_there_is_refused),

@@ -311,6 +311,10 @@ static void nanoseconds_and_whole_seconds_fill_a_warmup_by_time(void **state)
     assert_int_equal(vdna_select_restart_cause(select), VDNA_RESTART_UNIT);
     assert_string_equal(vdna_restart_text(VDNA_RESTART_UNIT),
                         "because the stamps are not microseconds");
+    assert_string_equal(vdna_restart_text(VDNA_RESTART_BACKWARDS),
+                        "because camera time stepped back");
+    assert_string_equal(vdna_restart_text(VDNA_RESTART_GAP),
+                        "because no frame came for longer than the warmup");
     assert_string_equal(vdna_restart_text(VDNA_RESTART_NONE), "");
     /* It began anew with the second second. */
     assert_int_equal(feed(select, t0 + 3, 3.5f, 0).newly_ranked, 1);

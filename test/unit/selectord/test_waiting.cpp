@@ -266,7 +266,7 @@ void a_warmup_that_begins_anew_again_and_again_makes_no_progress(void **)
 {
     Seconds s;
     s.judge();
-    s.facts.restart_reason = "camera time ran backwards";
+    s.facts.restart_reason = "because camera time stepped back";
     s.pass(5, [](Facts &facts) {
         use_frames(facts);
         facts.restarts += 2;
@@ -274,7 +274,7 @@ void a_warmup_that_begins_anew_again_and_again_makes_no_progress(void **)
     });
     assert_true(s.verdict.cause == Cause::restarts);
     assert_true(s.says("began anew 10 times so far"));
-    assert_true(s.says("because camera time ran backwards"));
+    assert_true(s.says("the last time because camera time stepped back"));
 }
 
 void restarts_between_which_there_is_progress_are_found_too(void **)

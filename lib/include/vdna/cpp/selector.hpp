@@ -17,9 +17,16 @@ namespace vdna
 
 /** Length of a warmup; one of the first two is 0. */
 struct Warmup {
-    uint32_t frames; /**< number of frames */
-    int64_t us;      /**< microseconds of camera time */
+    uint32_t frames;                                      /**< number of frames */
+    int64_t us;                                           /**< microseconds of camera time */
     uint32_t frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT; /**< fewest, if by time */
+};
+
+/** How the stamps of frames are read. */
+struct Stamps {
+    int64_t late_us = VDNA_TIME_LATE_US_DEFAULT; /**< frames this much older than the newest are
+                                                      late */
+    uint32_t unit = VDNA_TIME_UNIT_AUTO;         /**< VDNA_TIME_UNIT_... */
 };
 
 /** Limits of a warmup by time, for those that people ask for. */
@@ -32,9 +39,9 @@ class Selector
      *  @param candidates  their pointers are borrowed as long as the selector is in use
      *  @param dim  numbers in an embedding
      *  @param where  names the map in the error
-     *  @param late_us  frames this much older than the newest are late */
+     *  @param stamps  of the frames */
     Selector(std::vector<vdna_select_candidate> candidates, uint32_t dim, const Warmup &warmup,
-             const std::string &where, int64_t late_us = VDNA_TIME_LATE_US_DEFAULT)
+             const std::string &where, const Stamps &stamps = {})
         : candidates_(std::move(candidates))
     {
         vdna_select_config config;
@@ -45,7 +52,8 @@ class Selector
         config.warmup_frames = warmup.frames;
         config.warmup_us = warmup.us;
         config.warmup_frames_min = warmup.frames_min;
-        config.late_us = late_us;
+        config.late_us = stamps.late_us;
+        config.time_unit = stamps.unit;
         const size_t size = vdna_select_mem_size(&config);
         memory_.resize(size / sizeof(int64_t) + 1);
         const vdna_status status = vdna_select_init(&config, memory_.data(), size, &select_);

@@ -1,0 +1,28 @@
+// Several references made into one map.
+#pragma once
+
+#include <vector>
+
+#include "record/localisation.hpp"
+
+namespace vdna::eval
+{
+
+// A recording as a map to localise in; borrowed.
+vdna_experience map_of(const record::Recording &recording, uint32_t dim);
+
+// Append a frame of another recording: its label and its embedding.
+void append(record::Recording &to, const record::Recording &from, uint32_t frame, uint32_t dim);
+
+// All frames, concatenated.
+record::Recording joined(const std::vector<const record::Recording *> &parts, uint32_t dim);
+
+// A frame for each place, whose embedding is the mean over the parts that have been there. The
+// labelled frames of the first part are places; so are those of each further part that are farther
+// than the tolerance from all places before it. A part's embedding of a place is that of its
+// nearest frame (ties: the lowest index), if that is within tolerance.
+// with_altitude: as for record::Truth. Throws Error.
+record::Recording fused(const std::vector<const record::Recording *> &parts, uint32_t dim,
+                        double tolerance, bool with_altitude);
+
+} // namespace vdna::eval

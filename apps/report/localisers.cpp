@@ -1,0 +1,138 @@
+// The localisers side by side: means with intervals, recalls, confidences.
+#include "report/localisers.hpp"
+
+#include <cmath>
+
+#include "eval/compare_localisers.hpp"
+#include "report/chart.hpp"
+#include "report/html.hpp"
+#include "report/sections.hpp"
+#include "report/wording.hpp"
+
+namespace vdna::report
+{
+
+namespace
+{
+
+std::string number_cell(const std::string &text)
+{
+    return text_element("td class=\"number\"", text);
+}
+
+std::string head_of(const std::vector<std::string> &titles)
+{
+    std::string html;
+    for (const std::string &title : titles)
+        html += text_element("th scope=\"col\"", title);
+    return element("tr", html);
+}
+
+std::string means_table(const eval::Evaluation &evaluation)
+{
+    std::string body;
+    for (const eval::LocaliserResult &result : evaluation.localisers)
+        body += element("tr",
+                        text_element("th scope=\"row\"", eval::localiser_of(result.name).title) +
+                            text_element("td", result.name) + number_cell(mean_text(result.mean)) +
+                            number_cell(mean_text(result.chosen)));
+    return table("Localisers: Recall@1 in %, mean over queries",
+                 head_of({"Localiser", "Name", "Mean over references", "In the first choice"}),
+                 body);
+}
+
+std::string means_chart(const eval::Evaluation &evaluation)
+{
+    std::vector<WhiskerGroup> groups;
+    for (const eval::LocaliserResult &result : evaluation.localisers) {
+        const auto whisker = [&](const eval::Mean &mean, const std::string &of) {
+            return Whisker{mean.value, mean.low, mean.high,
+                           result.name + ", " + of + ": " + mean_text(mean) + " %"};
+        };
+        groups.push_back({result.name,
+                          {whisker(result.mean, "mean over references"),
+                           whisker(result.chosen, "in the first choice")}});
+    }
+    return element("figure",
+                   whisker_chart("Recall@1, %", 100, groups) +
+                       "<figcaption>Left: mean over references. Right: in the reference that "
+                       "Visual DNA chooses first. Lines: 95 % intervals.</figcaption>");
+}
+
+std::string recall_table(const eval::Evaluation &evaluation)
+{
+    std::vector<std::string> titles = {"Query", "Reference"};
+    for (const eval::LocaliserResult &result : evaluation.localisers)
+        titles.push_back(result.name);
+    std::string body;
+    for (const LocaliserRow &row : localiser_rows(evaluation)) {
+        std::string cells =
+            text_element("th scope=\"row\"", row.query) + text_element("td", row.reference);
+        for (const double recall : row.recall)
+            cells += number_cell(std::isnan(recall) ? "" : number_text(recall, 2));
+        body += element("tr", cells);
+    }
+    return foldable("Every query in every reference", false,
+                    table("Recall@1 in % by localiser", head_of(titles), body));
+}
+
+std::string reliability_figure(const eval::LocaliserResult &result)
+{
+    const eval::ConfidenceMetrics &metrics = *result.confidence;
+    std::vector<Point> points;
+    for (const eval::ReliabilityBin &bin : metrics.reliability)
+        if (bin.answers > 0)
+            points.push_back({bin.confidence, bin.good_percent, 0,
+                              std::to_string(bin.answers) + " answers, mean confidence " +
+                                  number_text(bin.confidence, 3) + ", " +
+                                  number_text(bin.good_percent, 1) + " % good"});
+    return element(
+        "figure",
+        diagonal_chart("confidence", 1, "good answers, %", 100, points) +
+            element("figcaption", text_element("b", eval::localiser_of(result.name).title) +
+                                      escaped(": AUROC " + number_text(metrics.auroc, 3) + ", " +
+                                              std::to_string(metrics.answers) + " answers")));
+}
+
+std::string threshold_table(const eval::LocaliserResult &result)
+{
+    std::string body;
+    for (const eval::Threshold &threshold : result.confidence->thresholds)
+        body +=
+            element("tr", text_element("th scope=\"row\"", number_text(threshold.confidence, 2)) +
+                              number_cell(number_text(threshold.precision, 2)) +
+                              number_cell(number_text(threshold.kept, 2)) +
+                              number_cell(number_text(threshold.answered, 2)));
+    return table("Answers of " + escaped(result.name) + " by their least confidence",
+                 head_of({"At least", "Precision, %", "Good ones kept, %", "Answered, %"}), body);
+}
+
+std::string confidences(const eval::Evaluation &evaluation)
+{
+    std::string figures, tables;
+    for (const eval::LocaliserResult &result : evaluation.localisers)
+        if (result.confidence) {
+            figures += reliability_figure(result);
+            tables += threshold_table(result);
+        }
+    if (figures.empty())
+        return "";
+    return "<h3>Confidence</h3><p>Answers in ten bins of confidence, over all queries; on the "
+           "diagonal, answers are right as often as their confidence says. <b>AUROC</b> is the "
+           "chance that a right answer is more confident than a wrong one.</p>" +
+           element("div class=\"charts\"", figures) + tables;
+}
+
+} // namespace
+
+std::string localisers_section(const eval::Evaluation &evaluation)
+{
+    return "<h2>How well each localiser finds the place</h2><p>A localiser finds the place of each "
+           "live frame in a map: one reference, or all of them at once. In brackets, the 95 % "
+           "interval over queries.</p>" +
+           means_table(evaluation) + element("div class=\"charts\"", means_chart(evaluation)) +
+           (beyond_usual_localisers(evaluation).empty() ? "" : recall_table(evaluation)) +
+           confidences(evaluation);
+}
+
+} // namespace vdna::report

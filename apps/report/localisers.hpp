@@ -1,0 +1,34 @@
+// The localisers of an evaluation, side by side, as text and as JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "eval/evaluation.hpp"
+#include "program/print.hpp"
+
+namespace vdna::report
+{
+
+// What every localiser recalled of a query in one reference, or in "all".
+struct LocaliserRow {
+    std::string query, reference;
+    std::vector<double> recall; // [localisers], percent; NaN for those that got another map
+};
+
+// For each query: its references in their order, then "all".
+std::vector<LocaliserRow> localiser_rows(const eval::Evaluation &evaluation);
+
+// "54.21 (50.10 to 58.30)", without the interval if there is none.
+std::string mean_text(const eval::Mean &mean);
+
+// Indices of the localisers whose recalls the other tables do not have.
+std::vector<size_t> beyond_usual_localisers(const eval::Evaluation &evaluation);
+
+// Means with intervals, the recalls unless the other tables have them, and confidences.
+std::string localiser_tables(const eval::Evaluation &evaluation);
+
+// {name: {"mean", "first_choice", "recall", "confidence"}}
+program::Json localisers_json(const eval::Evaluation &evaluation);
+
+} // namespace vdna::report
