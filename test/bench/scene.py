@@ -1,4 +1,5 @@
 """The inputs of a drive, made once in build/bench and reused: pictures, networks, maps."""
+import hashlib
 import shutil
 import subprocess
 from pathlib import Path
@@ -70,7 +71,8 @@ class Scene:
     def map(self, manifest, count):
         """A map of copies of one experience built from pictures, with random counts and embeddings
         of MAP_FRAMES frames."""
-        folder = self.folder / "maps" / f"{manifest.stem}-{count}"
+        version = hashlib.sha256(manifest.read_bytes()).hexdigest()[:8]
+        folder = self.folder / "maps" / f"{manifest.stem}-{version}-{count}"
         if not folder.exists():
             seed, part = (folder.with_suffix(end) for end in (".seed", ".part"))
             for path in (seed, part):
@@ -93,10 +95,15 @@ def write_copies(path, folder, count):
     for number in range(count):
         counts = random_dna(seed.histogram.neurons, MAP_FRAMES, number) * masses.astype(np.uint32)
         embeddings = random.normal(size=(MAP_FRAMES, seed.dim)).astype(np.float32)
+        last_layer = None
+        if seed.last_layer is not None:
+            size = seed.last_layer.shape[1]
+            last_layer = random.normal(size=(MAP_FRAMES, size)).astype(np.float32)
         Experience(
             name=f"copy{number}", backbone=seed.backbone, model_sha256=seed.model_sha256,
             preprocessing=seed.preprocessing, precision=seed.precision, taps=seed.taps,
             histogram=HistogramView(seed.histogram.range, counts), embeddings=embeddings,
+            embedding=seed.identity.embedding, last_layer=last_layer,
             frame_utime=np.arange(MAP_FRAMES, dtype=np.int64),
             frame_grey=np.zeros(MAP_FRAMES, np.float32),
         ).write(folder / f"copy{number:03}.vdna")
