@@ -30,6 +30,8 @@ program::Json json_of(const Account &account)
 {
     return {{"order", account.order},
             {"time_unit", account.time_unit},
+            {"expected_frames",
+             account.expected > 0 ? program::Json(account.expected) : program::Json()},
             {"bad_frames", account.bad},
             {"late_frames", account.late},
             {"notes", account.notes}};

@@ -24,7 +24,8 @@ struct Account {
 // The notes, and what was left out; empty if there is nothing to tell.
 std::vector<std::string> sentences_of(const Account &account);
 
-// The members that reports of all sub-commands have: "order", "time_unit", "bad_frames",
+// The members that reports of all sub-commands have: "order", "time_unit",
+// "expected_frames" (null if the source does not say), "bad_frames",
 // "late_frames" and "notes".
 program::Json json_of(const Account &account);
 

@@ -121,17 +121,19 @@ class VideoReader : public Reader
     // False; complains once if the video ends too early.
     bool end()
     {
+        if (std::exchange(has_complained_, true))
+            return false;
         const uint64_t missing = is_short() ? size_ - next_ : 0;
+        if (missing == 0 && size_ > 0)
+            size_ = next_; // no longer an estimate
         const std::string last = take_ffmpeg_error();
-        const std::string reason = last.empty() ? std::exchange(reason_, "") : last;
-        reason_.clear();
+        const std::string &reason = last.empty() ? reason_ : last;
         if (missing == 0 && reason.empty())
             return false;
         const std::string sentence = path_ + ": ends after " + std::to_string(next_) +
                                      (size_ > 0 ? " of " + std::to_string(size_) : "") + " frames" +
                                      (reason.empty() ? "" : " (" + reason + ")") +
                                      ": cut short or damaged";
-        size_ = next_;
         throw BadFrame(sentence, std::max<uint64_t>(missing, 1));
     }
 
@@ -146,6 +148,7 @@ class VideoReader : public Reader
     cv::Mat picture_;
     bool upside_down_ = false;
     bool has_ended_ = false;
+    bool has_complained_ = false; // of the end, if there was anything to complain of
     uint64_t next_ = 0;
     int64_t utime_ = 0;   // of the frame grabbed last
     int64_t spacing_ = 0; // between this one and the one before it

@@ -285,6 +285,7 @@ class Build(Scratch):
         (self.folder / "a/001.ppm").write_bytes(b"")
         report = self.vdna_json("build", "map", "a", "--skip-bad")["experiences"][0]
         self.assertEqual((report["frames"], report["bad_frames"]), (2, 1))
+        self.assertEqual(report["expected_frames"], 3)
         self.assertIn("1 bad", self.vdna("build", "map", "a", "--skip-bad", "--force"))
 
     def test_a_source_without_one_good_picture_is_refused(self):

@@ -510,6 +510,17 @@ void a_video_that_was_cut_short_says_so(void **)
     const size_t frames = usable_frames_of(source, bad).size();
     assert_in_range(frames, 15, 30);
     assert_int_equal(frames + bad, 40);
+    assert_int_equal(source.account().expected, 40);
+
+    // A table of all frames does not make them missing twice.
+    std::string table = "frame,place\n";
+    for (int i = 0; i < 40; i++)
+        table += std::to_string(i) + "," + std::to_string(i) + "\n";
+    SourceOptions options;
+    options.labels = folder.write("l.csv", table);
+    Source labelled(cut, options);
+    usable_frames_of(labelled, bad);
+    assert_int_equal(frames + bad, 40);
 }
 
 // The decoder hands out the last frames of such a video after its end, when OpenCV has no times.
