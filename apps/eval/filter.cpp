@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include <vdna/cpp/localiser.hpp>
 
 #include "program/interrupt.hpp"
+#include "program/median.hpp"
 
 namespace vdna::eval
 {
@@ -27,11 +29,7 @@ double spacing_of(const vdna_experience &map)
         if (std::isfinite(apart)) // not if one is unknown
             spacings.push_back(apart);
     }
-    if (spacings.empty())
-        return 0;
-    const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2);
-    std::nth_element(spacings.begin(), middle, spacings.end());
-    return *middle;
+    return program::median_of(std::move(spacings));
 }
 
 // The places that the filter gathers, as far as frames are good matches of one another.

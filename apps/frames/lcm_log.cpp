@@ -1,7 +1,4 @@
 // Camera frames of an LCM log.
-#include <algorithm>
-#include <cinttypes>
-#include <cstdio>
 #include <fstream>
 #include <vector>
 
@@ -18,14 +15,6 @@ namespace vdna::frames
 namespace
 {
 
-std::string joined(const std::set<std::string> &names)
-{
-    std::string text;
-    for (const std::string &name : names)
-        text += " " + name;
-    return text;
-}
-
 std::string loss_of(const LogDamage &damage)
 {
     return "damaged at byte " + std::to_string(damage.offset) + ": " + std::to_string(damage.size) +
@@ -37,17 +26,11 @@ std::string loss_of(const LogDamage &damage)
 // Why bytes are no camera message: of another type, or damaged.
 std::string refusal_of(const std::vector<uint8_t> &bytes)
 {
-    uint64_t fingerprint = 0;
-    for (size_t i = 0; i < std::min(bytes.size(), sizeof fingerprint); i++)
-        fingerprint = fingerprint << 8 | bytes[i];
-    char text[128];
-    std::snprintf(text, sizeof text,
-                  fingerprint == vdna_message_image.fingerprint
-                      ? "a damaged message of type bot_core.image_t"
-                      : "a message of fingerprint %016" PRIx64 ", expected %016" PRIx64
-                        " (bot_core.image_t)",
-                  fingerprint, vdna_message_image.fingerprint);
-    return text;
+    const uint64_t found = fingerprint_of(bytes), expected = vdna_message_image.fingerprint;
+    if (found == expected)
+        return "a damaged message of type bot_core.image_t";
+    return "a message of fingerprint " + fingerprint_text(found) + ", expected " +
+           fingerprint_text(expected) + " (bot_core.image_t)";
 }
 
 class LogReader : public Reader
@@ -61,7 +44,7 @@ class LogReader : public Reader
                 path + ": no message on channel " + options.camera + ", expected camera frames; " +
                 (log_.channels.empty()
                      ? "it holds no others"
-                     : "set " + options.camera_option + " to one of:" + joined(log_.channels)));
+                     : "set " + options.camera_option + " to one of:" + listed(log_.channels)));
     }
 
     bool read(Frame &out_frame) override
@@ -72,10 +55,7 @@ class LogReader : public Reader
         const LogEvent &event = log_.events[next_];
         const std::string name = path_ + ": frame " + std::to_string(next_);
         out_frame.index = next_++;
-        bytes_.resize(event.size);
-        stream_.seekg(static_cast<std::streamoff>(event.offset));
-        if (!stream_.read(reinterpret_cast<char *>(bytes_.data()), event.size))
-            throw Error(name + ": cannot read; the log changed while it was open");
+        read_message(stream_, event, name, bytes_);
         vdna_transport_frame camera;
         if (vdna_transport_parse_image(bytes_.data(), bytes_.size(), &camera) != VDNA_OK)
             throw BadFrame(name + ": " + refusal_of(bytes_));

@@ -1,6 +1,9 @@
 #include "frames/log_events.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cinttypes>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 
@@ -22,16 +25,21 @@ struct Close {
 };
 using File = std::unique_ptr<FILE, Close>;
 
+uint64_t big_endian(const uint8_t *bytes, size_t size)
+{
+    uint64_t number = 0;
+    for (size_t i = 0; i < size; i++)
+        number = number << 8 | bytes[i];
+    return number;
+}
+
 // The stamp of a message; 0 if it is too short to have one.
 int64_t stamp_of(vdna_log_file &log, const vdna_log_entry &entry)
 {
     std::array<uint8_t, stamp_size> bytes{};
     if (entry.data_size >= fingerprint_size + stamp_size)
         vdna_log_file_read(&log, entry.offset + fingerprint_size, bytes.data(), bytes.size());
-    uint64_t stamp = 0;
-    for (const uint8_t byte : bytes)
-        stamp = stamp << 8 | byte;
-    return static_cast<int64_t>(stamp);
+    return static_cast<int64_t>(big_endian(bytes.data(), bytes.size()));
 }
 
 // Note the damage before an event, or at the end. Numbers of events follow one another, so they
@@ -65,6 +73,35 @@ LogContents read_log(const std::string &path, const std::string &channel)
     note_damage(entry, 0, contents);
     contents.end_bytes = entry.end_size;
     return contents;
+}
+
+void read_message(std::istream &stream, const LogEvent &event, const std::string &name,
+                  std::vector<uint8_t> &out_message)
+{
+    out_message.resize(event.size);
+    stream.seekg(static_cast<std::streamoff>(event.offset));
+    if (!stream.read(reinterpret_cast<char *>(out_message.data()), event.size))
+        throw Error(name + ": cannot read; the log changed while it was open");
+}
+
+uint64_t fingerprint_of(const std::vector<uint8_t> &message)
+{
+    return big_endian(message.data(), std::min(message.size(), fingerprint_size));
+}
+
+std::string fingerprint_text(uint64_t fingerprint)
+{
+    char text[17];
+    std::snprintf(text, sizeof text, "%016" PRIx64, fingerprint);
+    return text;
+}
+
+std::string listed(const std::set<std::string> &channels)
+{
+    std::string text;
+    for (const std::string &channel : channels)
+        text += " " + channel;
+    return text;
 }
 
 bool is_lcm_log(const std::string &path)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <istream>
 #include <set>
 #include <string>
 #include <vector>
@@ -34,6 +35,18 @@ struct LogContents {
 // Read the headers of all events. Where bytes are no event, the next one is looked for. Throws
 // Error if the file cannot be read.
 LogContents read_log(const std::string &path, const std::string &channel);
+
+// The bytes of a message. stream: the open log; name: of the message or the log, for complaints.
+// Throws Error.
+void read_message(std::istream &stream, const LogEvent &event, const std::string &name,
+                  std::vector<uint8_t> &out_message);
+
+// The first 8 bytes of a message, which tell its type; of a shorter one, those that there are.
+uint64_t fingerprint_of(const std::vector<uint8_t> &message);
+std::string fingerprint_text(uint64_t fingerprint);
+
+// " CAMERA POSE", to end a complaint.
+std::string listed(const std::set<std::string> &channels);
 
 // True if the file begins like an LCM log.
 bool is_lcm_log(const std::string &path);

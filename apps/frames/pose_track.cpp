@@ -1,9 +1,7 @@
 #include "frames/pose_track.hpp"
 
 #include <algorithm>
-#include <cinttypes>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 
 #include <bot_core_gps_data_t.h>
@@ -28,25 +26,9 @@ std::vector<Message> messages_of(const std::string &log, const std::vector<LogEv
 {
     std::ifstream stream(log, std::ios::binary);
     std::vector<Message> messages;
-    for (const LogEvent &event : events) {
-        Message message(event.size);
-        stream.seekg(static_cast<std::streamoff>(event.offset));
-        if (!stream.read(reinterpret_cast<char *>(message.data()), event.size))
-            throw Error(log + ": cannot read; the log changed while it was open");
-        messages.push_back(std::move(message));
-    }
+    for (const LogEvent &event : events)
+        read_message(stream, event, log, messages.emplace_back());
     return messages;
-}
-
-// A text for a message of another type: its fingerprint, which stands first.
-std::string fingerprint_text(const Message &message)
-{
-    uint64_t fingerprint = 0;
-    for (size_t i = 0; i < 8 && i < message.size(); i++)
-        fingerprint = fingerprint << 8 | message[i];
-    char text[32];
-    std::snprintf(text, sizeof text, "%016" PRIx64, fingerprint);
-    return text;
 }
 
 // Plausible enough to compute with.
@@ -76,7 +58,7 @@ class PoseReader
     {
         if (!type_)
             throw Error(name + ": no message on channel " + channel_ +
-                        ", expected poses; set --pose-channel to one of:" + joined(channels_));
+                        ", expected poses; set --pose-channel to one of:" + listed(channels_));
         if (type_ == &vdna_message_gps_data)
             return Track::of_fixes(name, fixes_, gap_us);
         if (points_.empty())
@@ -88,14 +70,6 @@ class PoseReader
     }
 
   private:
-    static std::string joined(const std::set<std::string> &names)
-    {
-        std::string text;
-        for (const std::string &name : names)
-            text += " " + name;
-        return text;
-    }
-
     // The first message decides which type all have.
     void take(const Message &message, const std::string &name)
     {
@@ -108,8 +82,8 @@ class PoseReader
         else if (is_of(vdna_message_gps_data))
             take_fix(message);
         else
-            throw Error(name + " has fingerprint " + fingerprint_text(message) + " and " +
-                        std::to_string(message.size()) + " bytes, expected " +
+            throw Error(name + " has fingerprint " + fingerprint_text(fingerprint_of(message)) +
+                        " and " + std::to_string(message.size()) + " bytes, expected " +
                         (type_ ? type_->name + std::string(" as before it")
                                : "bot_core.pose_t or bot_core.gps_data_t") +
                         "; set --pose-channel to a channel of that type");

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "program/median.hpp"
 
 namespace vdna::frames
 {
@@ -30,11 +33,7 @@ double median_spacing(const std::vector<int64_t> &stamps, uint32_t unit)
     for (size_t i = 1; i < stamps.size(); i++)
         spacings.push_back(std::abs(static_cast<double>(vdna_time_us(unit, stamps[i])) -
                                     static_cast<double>(vdna_time_us(unit, stamps[i - 1]))));
-    if (spacings.empty())
-        return 0;
-    const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2);
-    std::nth_element(spacings.begin(), middle, spacings.end());
-    return *middle;
+    return program::median_of(std::move(spacings));
 }
 
 uint32_t unit_of(const std::vector<int64_t> &stamps, uint32_t unit)

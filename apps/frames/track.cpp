@@ -4,12 +4,14 @@
 #include <cctype>
 #include <functional>
 #include <map>
+#include <utility>
 
 #include <vdna/cpp/error.hpp>
 #include <vdna/geodesy.h>
 #include <vdna/map.h>
 
 #include "frames/fixes.hpp"
+#include "program/median.hpp"
 #include "program/notice.hpp"
 
 namespace vdna::frames
@@ -127,11 +129,7 @@ int64_t Track::spacing_us() const
     std::vector<int64_t> steps;
     for (size_t i = 1; i < points_.size(); i++)
         steps.push_back(points_[i].utime - points_[i - 1].utime);
-    if (steps.empty())
-        return 0;
-    std::nth_element(steps.begin(), steps.begin() + static_cast<ptrdiff_t>(steps.size() / 2),
-                     steps.end());
-    return steps[steps.size() / 2];
+    return program::median_of(std::move(steps));
 }
 
 } // namespace vdna::frames

@@ -299,6 +299,16 @@ double set_rate(const Device &device, double wanted_hz)
     return hz;
 }
 
+// The buffer of this number, to ask the driver about.
+v4l2_buffer buffer_of(uint32_t index)
+{
+    v4l2_buffer buffer{};
+    buffer.index = index;
+    buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    buffer.memory = V4L2_MEMORY_MMAP;
+    return buffer;
+}
+
 std::vector<Buffer> map_buffers(const Device &device)
 {
     v4l2_requestbuffers request{};
@@ -309,10 +319,7 @@ std::vector<Buffer> map_buffers(const Device &device)
         device.fail("get buffers", number);
     std::vector<Buffer> buffers;
     for (uint32_t i = 0; i < request.count; i++) {
-        v4l2_buffer buffer{};
-        buffer.index = i;
-        buffer.type = request.type;
-        buffer.memory = request.memory;
+        v4l2_buffer buffer = buffer_of(i);
         if (const int number = device.call(VIDIOC_QUERYBUF, buffer))
             device.fail("get a buffer", number);
         buffers.emplace_back(device, buffer.length, buffer.m.offset);
@@ -373,10 +380,7 @@ class V4l2Camera : public Camera
   private:
     void give_back(uint32_t index)
     {
-        v4l2_buffer buffer{};
-        buffer.index = index;
-        buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-        buffer.memory = V4L2_MEMORY_MMAP;
+        v4l2_buffer buffer = buffer_of(index);
         if (const int number = device_.call(VIDIOC_QBUF, buffer))
             device_.fail("give a buffer back", number);
     }

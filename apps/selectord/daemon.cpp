@@ -1,7 +1,6 @@
 #include "selectord/daemon.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cinttypes>
 #include <cstdio>
 #include <utility>
@@ -10,6 +9,7 @@
 
 #include <vdna/cpp/error.hpp>
 
+#include "program/clock.hpp"
 #include "telemetry/message_text.hpp"
 
 namespace vdna::selectord
@@ -20,18 +20,6 @@ namespace
 
 constexpr int64_t status_period_us = 1000000;
 constexpr int32_t poll_ms = 50; // bounds the delay of a stop or a status without frames
-
-int64_t monotonic_us()
-{
-    using namespace std::chrono;
-    return duration_cast<microseconds>(steady_clock::now().time_since_epoch()).count();
-}
-
-int64_t wall_us()
-{
-    using namespace std::chrono;
-    return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
-}
 
 Warmup warmup_of(const Config &config)
 {
@@ -81,7 +69,7 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
                      "vdna_selectord: answers to a log cannot be sent and are not kept; keep "
                      "them with --answers FILE\n");
     overhear(transport); // of a log, the first poll may take hundreds of messages
-    int64_t next_status_us = monotonic_us();
+    int64_t next_status_us = program::monotonic_us();
     while (!stop) {
         uint32_t events = 0;
         vdna_transport_frame frame;
@@ -97,7 +85,7 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
             answer(transport, frame, stop);
 
         // At 1 Hz, with or without frames; beats missed during a long inference are dropped.
-        const int64_t now_us = monotonic_us();
+        const int64_t now_us = program::monotonic_us();
         if (now_us >= next_status_us) {
             beat(transport);
             next_status_us += ((now_us - next_status_us) / status_period_us + 1) * status_period_us;
@@ -118,14 +106,14 @@ void Daemon::beat(vdna_transport *transport)
 void Daemon::overhear(vdna_transport *transport)
 {
     if (vdna_transport_overhear(transport, waiting_.wants_to_overhear()) != VDNA_OK)
-        problems_.note(monotonic_us(), "LCM cannot listen to the other channels");
+        problems_.note(program::monotonic_us(), "LCM cannot listen to the other channels");
 }
 
 Facts Daemon::facts(vdna_transport *transport) const
 {
     const vdna_camera_time &time = *vdna_select_time(selector_.get());
     Facts facts;
-    facts.now_us = monotonic_us();
+    facts.now_us = program::monotonic_us();
     facts.camera = *vdna_transport_count(transport);
     facts.overheard = vdna_transport_overheard_channels(transport, &facts.overheard_count);
     facts.selected = vdna_select_state(selector_.get()) == VDNA_SELECT_SELECTED;
@@ -172,7 +160,7 @@ void Daemon::reset()
 void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame,
                     const std::atomic<bool> &stop)
 {
-    const int64_t begin_us = monotonic_us();
+    const int64_t begin_us = program::monotonic_us();
     vdna_backbone_frame seen;
     vdna_error error{};
     const vdna_status status = vdna_backbone_run(backbone_.get(), &frame.image, &error, &seen);
@@ -190,7 +178,7 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     vdna_msg_localisation_t &message = *answer;
     message.skipped = static_cast<int64_t>(std::exchange(unanswered_, 0));
     // A log waits for us, and is to give the same answers again.
-    message.latency_us = is_replay_ ? 0 : monotonic_us() - frame.received_us;
+    message.latency_us = is_replay_ ? 0 : program::monotonic_us() - frame.received_us;
     publish(transport, config_.localisation_channel, vdna_message_localisation, &message);
     if (message.validity == VDNA_MSG_LOCALISATION_T_REFUSED)
         return;
@@ -200,7 +188,7 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     stages_.resize.add(seen.resize_us);
     stages_.inference.add(seen.inference_us);
     stages_.publish.add(watch.lap_us());
-    stages_.total.add(monotonic_us() - frame.received_us);
+    stages_.total.add(program::monotonic_us() - frame.received_us);
 }
 
 std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
@@ -219,7 +207,7 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
     window_frames_max_ = std::max(window_frames_max_, vdna_select_window_frames(selector_.get()));
 
     if (found.restarted)
-        problems_.note(monotonic_us(), "the warmup began anew, %s",
+        problems_.note(program::monotonic_us(), "the warmup began anew, %s",
                        vdna_restart_text(found.restarted));
     if (found.newly_ranked)
         announce_choice(transport);
@@ -234,7 +222,8 @@ vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const 
 {
     refused_++;
     std::snprintf(refusal_.data(), refusal_.size(), "%s", reason);
-    problems_.note(monotonic_us(), "frame of utime %" PRId64 " refused: %s", frame.utime, reason);
+    problems_.note(program::monotonic_us(), "frame of utime %" PRId64 " refused: %s", frame.utime,
+                   reason);
     return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_REFUSED);
 }
 
@@ -260,7 +249,7 @@ void Daemon::publish_status(vdna_transport *transport)
                         window_frames_max_,
                         memory_.read(),
                         verdict_.text[0] ? verdict_.text.data() : problems_.last()};
-    const vdna_msg_status_t message = status_of(health, wall_us());
+    const vdna_msg_status_t message = status_of(health, program::wall_us());
     publish(transport, config_.status_channel, vdna_message_status, &message);
 }
 
@@ -273,8 +262,9 @@ void Daemon::publish(vdna_transport *transport, const std::string &channel,
         return;
     const vdna_status sent = vdna_transport_publish(transport, channel.c_str(), &type, message);
     if (sent != VDNA_OK)
-        problems_.note(monotonic_us(), "%s: a message could not be sent: %s; " VDNA_LCM_REMEDY,
-                       channel.c_str(), vdna_status_text(sent));
+        problems_.note(program::monotonic_us(),
+                       "%s: a message could not be sent: %s; " VDNA_LCM_REMEDY, channel.c_str(),
+                       vdna_status_text(sent));
 }
 
 // A status tells of our own time and memory, so a replay, which is to give the same file again,
@@ -288,7 +278,8 @@ void Daemon::keep(const std::string &channel, const vdna_message_type &type, con
     } catch (const Error &error) {
         if (is_replay_)
             throw;
-        problems_.note(monotonic_us(), "%s; answers are not kept from here on", error.what());
+        problems_.note(program::monotonic_us(), "%s; answers are not kept from here on",
+                       error.what());
         answers_.reset();
     }
 }

@@ -5,6 +5,7 @@
 #include "eval/evaluate.hpp"
 #include "eval/precision_change.hpp"
 #include "frames/camera_image.hpp"
+#include "program/median.hpp"
 #include "program/text_table.hpp"
 #include "record/pass.hpp"
 #include "report/npy.hpp"
@@ -99,12 +100,6 @@ double inference_ms(Backbone &backbone, const std::vector<uint8_t> &picture, con
     return frame.inference_us / 1e3;
 }
 
-double median_of(std::vector<double> values)
-{
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-}
-
 // Alternate both networks on the same pictures, so that the ratio is robust to drift.
 Latency time(std::array<Side, 2> &sides, const frames::Dataset &dataset)
 {
@@ -119,7 +114,7 @@ Latency time(std::array<Side, 2> &sides, const frames::Dataset &dataset)
         b.push_back(inference_ms(sides[1].backbone, picture, files[i]));
         ratio.push_back(b.back() / a.back());
     }
-    return {{median_of(a), median_of(b)}, median_of(ratio)};
+    return {{program::median_of(a), program::median_of(b)}, program::median_of(ratio)};
 }
 
 void evaluate_side(Side &side, const frames::Dataset &dataset)

@@ -5,6 +5,7 @@
 #include "picture/exif.h"
 #include "picture/files/header.hpp"
 #include "picture/files/kind.hpp"
+#include "picture/files/matrix_image.hpp"
 #include "picture/files/pnm.hpp"
 #include "picture/files/tiff.hpp"
 #include "picture/jpeg.h"
@@ -115,12 +116,7 @@ vdna_image FileConverter::convert(const uint8_t *data, size_t size)
     bgr_ = decode(kind, file);
     if (header.orientation != VDNA_UPRIGHT)
         bgr_ = turned(bgr_, header.orientation);
-    return {bgr_.data,
-            bgr_.step * static_cast<size_t>(bgr_.rows),
-            static_cast<uint32_t>(bgr_.cols),
-            static_cast<uint32_t>(bgr_.rows),
-            static_cast<uint32_t>(bgr_.step),
-            VDNA_PIXEL_BGR3};
+    return image_of(bgr_);
 }
 
 } // namespace vdna::picture
