@@ -218,6 +218,16 @@ VDNA_API vdna_status vdna_localise_feed(vdna_localise *localise, const float *em
 VDNA_API vdna_status vdna_localise_feed_distances(vdna_localise *localise, const float *distances,
                                                   vdna_localise_answer *out_answer);
 
+/** Count the map's frames.
+ *  @param localise  NULL gives 0
+ *  @return N */
+VDNA_API uint32_t vdna_localise_frames(const vdna_localise *localise);
+
+/** Get the numbers in an embedding.
+ *  @param localise  NULL gives 0
+ *  @return dim */
+VDNA_API uint32_t vdna_localise_dim(const vdna_localise *localise);
+
 /** Get the distances d of the frame that was fed last.
  *  @param localise  NULL gives NULL
  *  @return [frames], borrowed as long as the localiser is in use; all 0 before the first frame */

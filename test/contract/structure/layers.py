@@ -20,7 +20,7 @@ ROOMS = {
     "lib/replace": (3, ["lib/core", "lib/fail"]),
     "lib/backbone": (4, ["lib/core", "lib/fail", "lib/identity", "lib/picture"]),
     "lib/map": (4, ["lib/core", "lib/fail", "lib/identity", "lib/replace"]),
-    "lib/select": (3, ["lib/core"]),
+    "lib/select": (3, ["lib/core", "lib/localise"]),
     "lib/transport": (3, ["lib/core", "lib/fail"]),
     "lib/cpp": (5, ["lib/backbone", "lib/core", "lib/identity", "lib/localise", "lib/map",
                     "lib/select", "lib/transport"]),
