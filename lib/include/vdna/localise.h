@@ -68,6 +68,10 @@ extern "C" {
 #define VDNA_GEAR_FIRST_MIN -8        /**< least `first` of a gear */
 #define VDNA_GEAR_FIRST_MAX 3         /**< greatest `first` of a gear */
 
+/** Confidence below which our programs call an answer unsure, unless told otherwise. The library
+ *  does not use it. */
+#define VDNA_LOCALISE_MIN_CONFIDENCE_DEFAULT 0.96
+
 /** Frames of an experience to localise in. Fill with vdna_localise_map_config_init(). */
 typedef struct vdna_localise_map_config {
     uint32_t struct_size; /**< set by vdna_localise_map_config_init() */
