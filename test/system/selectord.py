@@ -264,6 +264,6 @@ def lcm_log(path, events):
 
 def localisation_message(utime):
     """A vdna_msg.localisation_t that says WARMING_UP."""
-    fingerprint = 0x046A6F5BAC763B02
-    return struct.pack(">QqiI1siqbqbI1s3dddqq", fingerprint, utime, 1, 1, b"\0", -1, 0, 0, 0, 0,
-                       1, b"\0", 0, 0, 0, 0, 0, 0, 0)
+    fingerprint = 0x40D2402D2F35D5B1
+    return struct.pack(">QqiI1siqbqbI1s3ddbiddqq", fingerprint, utime, 1, 1, b"\0", -1, 0, 0, 0, 0,
+                       1, b"\0", 0, 0, 0, 0, 0, -1, 0, 0, 0, 0)
