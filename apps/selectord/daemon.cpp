@@ -185,7 +185,7 @@ void Daemon::end_log(vdna_transport *transport) const
 void Daemon::reset()
 {
     vdna_select_reset(selector_.get());
-    std::fprintf(stderr, "vdna_selectord: reset by command, warming up again\n");
+    resets_.note(program::monotonic_us(), "reset by command, warming up again");
 }
 
 void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame,
@@ -270,11 +270,10 @@ void Daemon::announce_choice(vdna_transport *transport)
 {
     const vdna_msg_ranking_t &ranking = ranking_.fill(*selector_.get());
     publish(transport, config_.ranking_channel, vdna_message_ranking, &ranking);
-    std::fprintf(stderr,
-                 "vdna_selectord: selected %s of %d after %d frames: distance %.3f bins, margin "
-                 "%.3f bins\n",
-                 ranking.experience[0], ranking.count, ranking.window_frames,
-                 ranking.distance_bins[0], ranking.margin_bins);
+    choices_.note(program::monotonic_us(),
+                  "selected %s of %d after %d frames: distance %.3f bins, margin %.3f bins",
+                  ranking.experience[0], ranking.count, ranking.window_frames,
+                  ranking.distance_bins[0], ranking.margin_bins);
 }
 
 void Daemon::publish_status(vdna_transport *transport)

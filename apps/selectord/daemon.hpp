@@ -17,7 +17,7 @@
 
 #include "selectord/answer_file.hpp"
 #include "selectord/config.hpp"
-#include "selectord/problem_log.hpp"
+#include "selectord/limited_log.hpp"
 #include "selectord/reports.hpp"
 #include "selectord/resident_memory.hpp"
 #include "selectord/stages.hpp"
@@ -77,7 +77,7 @@ class Daemon
     Selector selector_;                                                  // borrows them
     RankingReport ranking_;
     ResidentMemory memory_;
-    ProblemLog problems_;
+    LimitedLog problems_, resets_, choices_;
     Waiting waiting_;
     Verdict verdict_; // of the last beat
     std::optional<AnswerFile> answers_;
