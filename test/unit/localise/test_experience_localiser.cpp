@@ -171,8 +171,8 @@ void positions_count_horizontally(void **)
 
     for (size_t i = 0; i < 200; i++) // on the equator, about the zero meridian
         assert_int_equal(vdna_geodesy_to_ecef(route.position[3 * i] / 110574,
-                                              route.position[3 * i + 1] / 111320,
-                                              i < 100 ? 0 : 40, &route.position[3 * i]),
+                                              route.position[3 * i + 1] / 111320, i < 100 ? 0 : 40,
+                                              &route.position[3 * i]),
                          VDNA_OK);
     assert_int_equal(route.places(2, VDNA_FRAME_WGS84).number[150], 50);
     route.position[0] = 5; // within the Earth: not known
@@ -236,7 +236,8 @@ struct Looks {
         for (int i = 0; i < 200; i++)
             for (int k = 1; k <= 4; k++)
                 for (const double quarter : {0.0, pi / 2})
-                    embeddings.push_back(static_cast<float>(std::sin(2 * pi * i * k / 100 + quarter)));
+                    embeddings.push_back(
+                        static_cast<float>(std::sin(2 * pi * i * k / 100 + quarter)));
         map.frames = 200;
         map.identity.dim = 8;
         map.embeddings = embeddings.data();
