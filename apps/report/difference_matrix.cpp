@@ -18,7 +18,7 @@ namespace
 // All matrices are in memory at once, because they share one scale.
 constexpr uint64_t cells_max = uint64_t{1} << 27;
 // The longest side of all matrices is scaled into these limits, in pixels.
-constexpr uint32_t side_min = 600, side_max = 1600;
+constexpr int side_min = 600, side_max = 1600;
 constexpr int margin = 16, title_height = 44, width_min = 300; // pixels
 
 // Least and greatest entry over all matrices.
@@ -67,12 +67,10 @@ std::string title_of(const record::Followed &followed, bool with_filter)
 // Pixels per cell: an integer, or less than one if there are so many cells that they are averaged.
 double zoom_of(const std::vector<cv::Mat> &matrices)
 {
-    uint32_t longest = 1;
+    int longest = 1;
     for (const cv::Mat &matrix : matrices)
-        longest =
-            static_cast<uint32_t>(std::max({static_cast<int>(longest), matrix.rows, matrix.cols}));
-    const double side = std::clamp(longest, side_min, side_max);
-    const double zoom = side / longest;
+        longest = std::max({longest, matrix.rows, matrix.cols});
+    const double zoom = static_cast<double>(std::clamp(longest, side_min, side_max)) / longest;
     return zoom > 1 ? std::ceil(zoom) : zoom;
 }
 

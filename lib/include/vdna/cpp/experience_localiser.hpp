@@ -194,7 +194,8 @@ inline std::vector<int64_t> route_numbers_of(const std::vector<RoutePlaces::Posi
  *  - Otherwise, with place numbers, these are the numbers, and the tolerance is T, rounded down.
  *  - Otherwise a frame's number is its index, and the tolerance 2.
  *
- *  If every number is the frame's index, `number` is empty: localising is cheaper then.
+ *  If every number is the frame's index, `number` is empty: localising is cheaper then. It always
+ * is with positions and T = 0.
  *  @param experience  its embeddings do not matter
  *  @param tolerance   within which a match is good, >= 0: metres with positions, else place numbers
  */
@@ -208,7 +209,8 @@ inline Places places_of(const vdna_experience &experience, double tolerance)
     Places places{{}, 2};
     if (spacing > 0) {
         places.tolerance = rounded_down(tolerance / spacing, experience.frames);
-        places.number = route_numbers_of(positions, tolerance);
+        if (tolerance > 0)
+            places.number = route_numbers_of(positions, tolerance);
     } else if (experience.frame_place) {
         places.tolerance = rounded_down(tolerance, std::numeric_limits<uint32_t>::max());
         places.number.assign(experience.frame_place, experience.frame_place + experience.frames);
