@@ -601,6 +601,21 @@ class CommandLine(WithConfiguration):
         result = selectord("-c", os.path.join(WORK, "none.toml"))
         self.assertEqual(result.returncode, 2)
         self.assertIn("none.toml: cannot be read: No such file", result.stderr)
+        fifo = os.path.join(WORK, "fifo.toml")
+        with contextlib.suppress(FileExistsError):
+            os.mkfifo(fifo)
+        for path in (fifo, WORK):
+            result = selectord("-c", path)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn(path + ": is no regular file", result.stderr)
+        result = selectord("-c", "")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn(": cannot be read: No such file", result.stderr)
+
+    def test_two_channels_of_one_name_are_refused(self):
+        result = selectord("-c", self.configure("[lcm]\ncamera = 'A'\nstatus = 'A'\n"))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn('[lcm] camera and status are both "A"', result.stderr)
 
     def test_the_printed_configuration_is_accepted_and_printed_again(self):
         printed = selectord("--map", "/a 'quoted' \"path\"\\", "--warmup-seconds", 2.5, "-l",
