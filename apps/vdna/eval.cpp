@@ -6,6 +6,7 @@
 
 #include "eval/ablation.hpp"
 #include "eval/compare_localisers.hpp"
+#include "program/decimal.hpp"
 #include "program/exit_code.hpp"
 #include "program/replaced_file.hpp"
 #include "record/ranges.hpp"
@@ -210,7 +211,7 @@ void add_dataset_options(CLI::App &command, EvalOptions &o)
         ->delimiter(',')
         ->type_name("NAME");
     command.add_option("--rate", o.frames.rate_hz, "frames per second, if labels have no utime")
-        ->check(CLI::Validator(CLI::PositiveNumber).description(""))
+        ->check(program::within(1e-6, 1e6))
         ->type_name("HZ")
         ->capture_default_str();
     command.add_flag("--skip-bad", o.frames.skip_bad,
@@ -229,7 +230,7 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
     command
         .add_option("--tolerance", o.tolerance,
                     "a match is good within T places or metres (default: the data set's, else 5)")
-        ->check(CLI::Validator(CLI::NonNegativeNumber).description(""))
+        ->check(program::within(0, 1e9))
         ->type_name("T");
     add_altitude_option(command, o.with_altitude);
     command
