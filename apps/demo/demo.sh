@@ -123,7 +123,8 @@ vdna localise $demo/live $demo/map --skip $warmup --tolerance 2.5 --matrix $demo
 
 say "Done"
 cat <<END
-The ranking came from appearance alone. It is right if it matches the order of Recall@1 in step 5.
+The ranking came from appearance alone. It is right if its first choice has the best Recall@1 in step 5,
+or where that is equal, the fewest unsure answers.
 Pictures: $demo/{summer,winter,night,live}   map: $demo/map   difference matrices: $demo/matrices.png
 
 To use your own pictures or videos, one folder or file per traversal:

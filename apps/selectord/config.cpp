@@ -42,8 +42,9 @@ constexpr double threads_max = 256;
 constexpr double image_bytes_min = 1024, image_bytes_max = VDNA_MESSAGE_BYTES_MAX;
 constexpr double budget_mb_max = 1u << 20;
 constexpr double nice_max = 19;
+constexpr double tolerance_max = 1e6;
 
-const std::array<Setting, 20> settings{{
+const std::array<Setting, 24> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max},
     {"backbone", "manifest", &Config::manifest, 1, path_max},
     {"backbone", "threads", &Config::threads, 1, threads_max},
@@ -51,6 +52,10 @@ const std::array<Setting, 20> settings{{
     {"warmup", "frames", &Config::warmup_frames, 1, UINT32_MAX},
     {"warmup", "seconds", &Config::warmup_seconds, warmup_seconds_min, warmup_seconds_max},
     {"warmup", "frames_min", &Config::warmup_frames_min, 1, UINT32_MAX},
+    {"select", "top", &Config::top, 1, UINT32_MAX},
+    {"localise", "filter", &Config::place_filter, 0, 0},
+    {"localise", "min_confidence", &Config::min_confidence, 0, 1},
+    {"localise", "tolerance", &Config::tolerance, 0, tolerance_max},
     {"lcm", "url", &Config::url, 0, path_max},
     {"lcm", "camera", &Config::camera_channel, 1, channel_max},
     {"lcm", "late_seconds", &Config::late_seconds, 0, warmup_seconds_max},
@@ -245,8 +250,8 @@ Config read_config(const std::string &path)
         if (!known || !node.is_table())
             fail(path, section.source().begin,
                  "unknown entry '" + std::string(section.str()) +
-                     "', expected the sections [map], [backbone], [warmup], [lcm], [memory] and "
-                     "[cpu]; correct or remove it");
+                     "', expected the sections [map], [backbone], [warmup], [select], [localise], "
+                     "[lcm], [memory] and [cpu]; correct or remove it");
         read_section(path, section, *node.as_table(), config);
     }
     settle_warmup(path, root, config);

@@ -23,7 +23,12 @@ struct Config {
     uint32_t warmup_frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT;
     // A camera frame this much older than the newest is late and left out.
     double late_seconds = VDNA_TIME_LATE_US_DEFAULT / 1e6;
-    std::string url; // "" = $LCM_DEFAULT_URL, else LCM's default
+    // Localise in so many of the nearest experiences at once.
+    uint32_t top = 1;
+    bool place_filter = true; // otherwise by the nearest frame alone
+    double min_confidence = VDNA_LOCALISE_MIN_CONFIDENCE_DEFAULT; // below it an answer is UNSURE
+    double tolerance = 5; // metres, or place numbers: as far apart, frames are the same place
+    std::string url;      // "" = $LCM_DEFAULT_URL, else LCM's default
     std::string camera_channel = VDNA_CHANNEL_CAMERA;
     std::string command_channel = VDNA_CHANNEL_COMMAND;
     std::string ranking_channel = VDNA_CHANNEL_RANKING;

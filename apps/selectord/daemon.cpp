@@ -27,13 +27,36 @@ Warmup warmup_of(const Config &config)
             config.warmup_frames_min};
 }
 
+std::vector<std::unique_ptr<ExperienceLocaliser>> localisers_in(const Map &map,
+                                                                const Config &config)
+{
+    std::vector<std::unique_ptr<ExperienceLocaliser>> localisers;
+    if (config.place_filter)
+        for (const vdna_experience &experience : map.experiences())
+            localisers.push_back(
+                std::make_unique<ExperienceLocaliser>(experience, config.tolerance));
+    return localisers;
+}
+
+Localising localising_of(const std::vector<std::unique_ptr<ExperienceLocaliser>> &localisers,
+                         uint32_t top)
+{
+    Localising localising;
+    for (const std::unique_ptr<ExperienceLocaliser> &localiser : localisers)
+        localising.by.push_back(localiser->get());
+    localising.top = top;
+    return localising;
+}
+
 } // namespace
 
 Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
     : config_(config), map_(map), backbone_(backbone),
       is_replay_(vdna_transport_is_log(config.url.c_str()) != 0),
+      localisers_(localisers_in(map, config)),
       selector_(map.candidates(), map.experiences().front().identity.dim, warmup_of(config),
-                config.map_directory, {static_cast<int64_t>(config.late_seconds * 1e6)}),
+                config.map_directory, {static_cast<int64_t>(config.late_seconds * 1e6)},
+                localising_of(localisers_, config.top)),
       ranking_(map, backbone.info()), waiting_(config, is_replay_)
 {
 }
@@ -49,6 +72,14 @@ size_t Daemon::histogram_size() const
     vdna_select_live(selector_.get(), &live);
     const size_t numbers_per_neuron = live.bins + 2; // counts, mass, saturated
     return numbers_per_neuron * live.neurons * sizeof(uint32_t);
+}
+
+size_t Daemon::localisers_size() const
+{
+    size_t size = 0;
+    for (const std::unique_ptr<ExperienceLocaliser> &localiser : localisers_)
+        size += sizeof *localiser + localiser->memory_size();
+    return size;
 }
 
 size_t Daemon::size() const
@@ -154,7 +185,7 @@ void Daemon::end_log(vdna_transport *transport) const
 void Daemon::reset()
 {
     vdna_select_reset(selector_.get());
-    std::fprintf(stderr, "vdna_selectord: reset by command, warming up again\n");
+    resets_.note(program::monotonic_us(), "reset by command, warming up again");
 }
 
 void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame,
@@ -214,8 +245,16 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
     if (!found.localised)
         return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_WARMING_UP);
     localised_++;
-    return position_in(map_.experiences()[vdna_select_chosen(selector_.get())], found.match,
-                       frame.utime);
+    return place_of(found.match, frame.utime);
+}
+
+vdna_msg_localisation_t Daemon::place_of(const vdna_knn_match &match, int64_t utime) const
+{
+    const std::vector<vdna_experience> &experiences = map_.experiences();
+    const vdna_select_position *const where = vdna_select_where(selector_.get());
+    if (!where)
+        return nearest_in(experiences[vdna_select_chosen(selector_.get())], match, utime);
+    return position_in(experiences[where->candidate], where->answer, config_.min_confidence, utime);
 }
 
 vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const char *reason)
@@ -231,11 +270,10 @@ void Daemon::announce_choice(vdna_transport *transport)
 {
     const vdna_msg_ranking_t &ranking = ranking_.fill(*selector_.get());
     publish(transport, config_.ranking_channel, vdna_message_ranking, &ranking);
-    std::fprintf(stderr,
-                 "vdna_selectord: selected %s of %d after %d frames: distance %.3f bins, margin "
-                 "%.3f bins\n",
-                 ranking.experience[0], ranking.count, ranking.window_frames,
-                 ranking.distance_bins[0], ranking.margin_bins);
+    choices_.note(program::monotonic_us(),
+                  "selected %s of %d after %d frames: distance %.3f bins, margin %.3f bins",
+                  ranking.experience[0], ranking.count, ranking.window_frames,
+                  ranking.distance_bins[0], ranking.margin_bins);
 }
 
 void Daemon::publish_status(vdna_transport *transport)

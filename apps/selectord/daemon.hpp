@@ -4,17 +4,20 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <vdna/cpp/backbone.hpp>
+#include <vdna/cpp/experience_localiser.hpp>
 #include <vdna/cpp/map.hpp>
 #include <vdna/cpp/selector.hpp>
 #include <vdna/transport.h>
 
 #include "selectord/answer_file.hpp"
 #include "selectord/config.hpp"
-#include "selectord/problem_log.hpp"
+#include "selectord/limited_log.hpp"
 #include "selectord/reports.hpp"
 #include "selectord/resident_memory.hpp"
 #include "selectord/stages.hpp"
@@ -32,8 +35,10 @@ class Daemon
     // Size of the largest message that run() publishes, in bytes.
     uint32_t message_size_max() const;
 
-    // Bytes of the live histogram, and of everything this object holds.
+    // Bytes of the live histogram, of the localisers, and of everything else that this object holds
+    // with the histogram.
     size_t histogram_size() const;
+    size_t localisers_size() const;
     size_t size() const;
 
     // Also write answers to a file. Throws Error if it cannot be written.
@@ -55,6 +60,7 @@ class Daemon
     std::optional<vdna_msg_localisation_t> use(vdna_transport *transport,
                                                const vdna_transport_frame &frame,
                                                const vdna_backbone_frame &seen, Stopwatch &watch);
+    vdna_msg_localisation_t place_of(const vdna_knn_match &match, int64_t utime) const;
     vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason);
     void announce_choice(vdna_transport *transport);
     void publish_status(vdna_transport *transport);
@@ -66,10 +72,12 @@ class Daemon
     const Map &map_;
     const Backbone &backbone_;
     const bool is_replay_; // frames come from a log, on which nothing can be sent
-    Selector selector_;
+    const std::vector<std::unique_ptr<ExperienceLocaliser>> localisers_; // one for each experience
+                                                                         // if the filter is on
+    Selector selector_;                                                  // borrows them
     RankingReport ranking_;
     ResidentMemory memory_;
-    ProblemLog problems_;
+    LimitedLog problems_, resets_, choices_;
     Waiting waiting_;
     Verdict verdict_; // of the last beat
     std::optional<AnswerFile> answers_;

@@ -16,6 +16,7 @@
 #include "selectord/command_line.hpp"
 #include "selectord/daemon.hpp"
 #include "selectord/memory_statement.hpp"
+#include "selectord/output.hpp"
 #include "selectord/processor.hpp"
 #include "selectord/resident_memory.hpp"
 #include "selectord/stop.hpp"
@@ -85,21 +86,20 @@ program::ExitCode run(int argc, char **argv)
         return program::exit_ok;
     }
 
-    // Processors and priority, which later threads inherit.
+    // Processors and priority, which later threads inherit. From here on a signal ends the process
+    // within a moment. The loss of who reads our output must not, nor a limit on the size of files.
     take_processors(config);
     return_large_blocks();
+    StopOnSignal stop;
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
 
-    // The map. A signal still ends the process by itself.
+    // The map.
     StartUp start_up;
     const ResidentMemory resident;
     start_up.program = resident.read();
     const Map map(config.map_directory);
     start_up.map = resident.read();
-
-    // One-way door: from here on a signal waits for StopOnSignal, because the backbone's threads
-    // must not take it. Also ignore SIGPIPE: losing stdout must not stop us.
-    block_stop_signals();
-    signal(SIGPIPE, SIG_IGN);
 
     // The network and the loop's memory: the large allocations end here.
     const Backbone backbone(config.manifest, config.threads, config.runtime,
@@ -119,10 +119,11 @@ program::ExitCode run(int argc, char **argv)
         return program::exit_ok;
     }
 
-    // One-way door: from here on we are visible to others.
+    // One-way door: from here on we are visible to others, and wait for nobody.
+    never_wait_for_readers();
     if (!invocation->answers.empty())
         daemon.keep_answers(invocation->answers);
-    const StopOnSignal stop(backbone.get());
+    const StopOnSignal::Cancels cancels(stop, backbone.get());
     const Connection connection = connect(transport);
     if (config.lock_memory)
         lock_memory();

@@ -68,8 +68,8 @@ vdna_msg_localisation_t no_position(int64_t utime, int32_t validity)
     message.validity = validity;
     message.experience = borrow("");
     message.position_frame = borrow("");
-    message.frame = -1;
-    message.distance = not_known;
+    message.frame = message.nearest_frame = -1;
+    message.confidence = message.distance = not_known;
     message.predicted_recall = not_known;
     return message;
 }
@@ -92,22 +92,49 @@ void fill_position(const vdna_experience &map, const double *position,
 
 } // namespace
 
-vdna_msg_localisation_t position_in(const vdna_experience &chosen, const vdna_knn_match &match,
-                                    int64_t utime)
+namespace
 {
-    vdna_msg_localisation_t message = no_position(utime, VDNA_MSG_LOCALISATION_T_VALID);
-    message.experience = borrow(chosen.name);
-    message.frame = static_cast<int32_t>(match.index);
-    message.frame_utime = chosen.frame_utime[match.index];
-    if (chosen.frame_place && chosen.frame_place[match.index] != VDNA_PLACE_NONE) {
+
+// Where a frame of the map was taken.
+void fill_place(const vdna_experience &map, uint32_t frame, vdna_msg_localisation_t &message)
+{
+    message.experience = borrow(map.name);
+    message.frame = static_cast<int32_t>(frame);
+    message.frame_utime = map.frame_utime[frame];
+    if (map.frame_place && map.frame_place[frame] != VDNA_PLACE_NONE) {
         message.has_place = 1;
-        message.place = chosen.frame_place[match.index];
+        message.place = map.frame_place[frame];
     }
     const double *const position =
-        chosen.frame_position ? chosen.frame_position + size_t{3} * match.index : nullptr;
+        map.frame_position ? map.frame_position + size_t{3} * frame : nullptr;
     if (position && !std::isnan(position[0]))
-        fill_position(chosen, position, message);
+        fill_position(map, position, message);
+}
+
+} // namespace
+
+vdna_msg_localisation_t nearest_in(const vdna_experience &map, const vdna_knn_match &match,
+                                   int64_t utime)
+{
+    vdna_msg_localisation_t message = no_position(utime, VDNA_MSG_LOCALISATION_T_VALID);
+    fill_place(map, match.index, message);
+    message.moving = 1;
+    message.nearest_frame = message.frame;
     message.distance = std::sqrt(match.distance_sq);
+    return message;
+}
+
+vdna_msg_localisation_t position_in(const vdna_experience &map, const vdna_localise_answer &answer,
+                                    double min_confidence, int64_t utime)
+{
+    const bool is_sure = answer.confidence >= min_confidence;
+    vdna_msg_localisation_t message = no_position(utime, is_sure ? VDNA_MSG_LOCALISATION_T_VALID
+                                                                 : VDNA_MSG_LOCALISATION_T_UNSURE);
+    fill_place(map, answer.frame, message);
+    message.confidence = answer.confidence;
+    message.moving = static_cast<int8_t>(answer.moving);
+    message.nearest_frame = static_cast<int32_t>(answer.nearest);
+    message.distance = answer.nearest_distance;
     return message;
 }
 

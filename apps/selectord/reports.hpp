@@ -42,9 +42,14 @@ class RankingReport
 // An answer without a position; `validity` is WARMING_UP or REFUSED.
 vdna_msg_localisation_t no_position(int64_t utime, int32_t validity);
 
-// The position of a live frame in the chosen experience; borrows the texts from it.
-vdna_msg_localisation_t position_in(const vdna_experience &chosen, const vdna_knn_match &match,
-                                    int64_t utime);
+// The nearest frame of an experience, which is VALID; borrows the texts from it.
+vdna_msg_localisation_t nearest_in(const vdna_experience &map, const vdna_knn_match &match,
+                                   int64_t utime);
+
+// The place in an experience by its filter, UNSURE if the confidence is lower than
+// `min_confidence`; borrows the texts from it.
+vdna_msg_localisation_t position_in(const vdna_experience &map, const vdna_localise_answer &answer,
+                                    double min_confidence, int64_t utime);
 
 // The contents of a status message.
 struct Health {

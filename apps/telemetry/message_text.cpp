@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <string_view>
@@ -42,7 +43,14 @@ const char *validity_of(const vdna_msg_localisation_t &message)
     return message.validity == VDNA_MSG_LOCALISATION_T_VALID        ? "VALID"
            : message.validity == VDNA_MSG_LOCALISATION_T_WARMING_UP ? "WARMING_UP"
            : message.validity == VDNA_MSG_LOCALISATION_T_REFUSED    ? "REFUSED"
+           : message.validity == VDNA_MSG_LOCALISATION_T_UNSURE     ? "UNSURE"
                                                                     : "UNKNOWN";
+}
+
+bool has_place(const vdna_msg_localisation_t &message)
+{
+    return message.validity == VDNA_MSG_LOCALISATION_T_VALID ||
+           message.validity == VDNA_MSG_LOCALISATION_T_UNSURE;
 }
 
 const char *state_of(const vdna_msg_status_t &message)
@@ -109,9 +117,12 @@ std::string text_of(const vdna_msg_ranking_t &message)
 std::string text_of(const vdna_msg_localisation_t &message)
 {
     std::string text = format("localisation %s", validity_of(message));
-    if (message.validity == VDNA_MSG_LOCALISATION_T_VALID) {
-        text += format(" %s frame %d, distance %.3f", message.experience, message.frame,
-                       message.distance);
+    if (has_place(message)) {
+        text += format(" %s frame %d", message.experience, message.frame);
+        if (!std::isnan(message.confidence))
+            text += format(", confidence %.2f%s", message.confidence,
+                           message.moving ? "" : " (standing)");
+        text += format(", nearest %d at %.3f", message.nearest_frame, message.distance);
         if (message.has_place)
             text += format(", place %lld", static_cast<long long>(message.place));
         if (message.has_position)
@@ -165,7 +176,6 @@ nlohmann::ordered_json json_of(const vdna_msg_ranking_t &message)
 
 nlohmann::ordered_json json_of(const vdna_msg_localisation_t &message)
 {
-    const bool valid = message.validity == VDNA_MSG_LOCALISATION_T_VALID;
     nlohmann::ordered_json json{{"type", "localisation"},
                                 {"utime", message.utime},
                                 {"validity", validity_of(message)},
@@ -175,15 +185,20 @@ nlohmann::ordered_json json_of(const vdna_msg_localisation_t &message)
                                 {"place", nullptr},
                                 {"position_frame", nullptr},
                                 {"position", nullptr},
+                                {"confidence", message.confidence},
+                                {"moving", nullptr},
+                                {"nearest_frame", nullptr},
                                 {"distance", nullptr},
                                 {"predicted_recall", message.predicted_recall},
                                 {"latency_us", message.latency_us},
                                 {"skipped", message.skipped}};
-    if (!valid)
+    if (!has_place(message))
         return json;
     json["experience"] = message.experience;
     json["frame"] = message.frame;
     json["frame_utime"] = message.frame_utime;
+    json["moving"] = message.moving != 0;
+    json["nearest_frame"] = message.nearest_frame;
     json["distance"] = message.distance;
     if (message.has_place)
         json["place"] = message.place;

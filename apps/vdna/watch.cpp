@@ -91,8 +91,9 @@ class Printer
     void print_summary() const
     {
         const double answers = static_cast<double>(localisations_);
-        std::printf("%llu frames answered: %llu localised, %llu refused; mean latency %.1f ms\n",
-                    localisations_, valid_, refused_,
+        std::printf("%llu frames answered: %llu localised, %llu unsure, %llu refused; mean latency "
+                    "%.1f ms\n",
+                    localisations_, valid_, unsure_, refused_,
                     localisations_ > 0 ? latency_us_ / answers / 1000 : 0.0);
     }
 
@@ -101,6 +102,7 @@ class Printer
     {
         localisations_++;
         valid_ += message.validity == VDNA_MSG_LOCALISATION_T_VALID;
+        unsure_ += message.validity == VDNA_MSG_LOCALISATION_T_UNSURE;
         refused_ += message.validity == VDNA_MSG_LOCALISATION_T_REFUSED;
         latency_us_ += static_cast<double>(message.latency_us);
     }
@@ -131,7 +133,7 @@ class Printer
 
     bool json_, summary_, updates_;
     bool open_update_ = false;
-    unsigned long long rankings_ = 0, localisations_ = 0, valid_ = 0, refused_ = 0;
+    unsigned long long rankings_ = 0, localisations_ = 0, valid_ = 0, unsure_ = 0, refused_ = 0;
     double latency_us_ = 0; // sum
 };
 

@@ -328,6 +328,18 @@ vdna_status vdna_localise_feed_distances(vdna_localise *localise, const float *d
 /* ---- Accessors ---- */
 
 /* see vdna/localise.h */
+uint32_t vdna_localise_frames(const vdna_localise *localise)
+{
+    return localise ? localise->map->frames : 0;
+}
+
+/* see vdna/localise.h */
+uint32_t vdna_localise_dim(const vdna_localise *localise)
+{
+    return localise ? localise->map->dim : 0;
+}
+
+/* see vdna/localise.h */
 const float *vdna_localise_distances(const vdna_localise *localise)
 {
     return localise ? localise->distances : NULL;

@@ -15,6 +15,7 @@
 static const vdna_select_config select_defaults = {
     .late_us = VDNA_TIME_LATE_US_DEFAULT,
     .warmup_frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT,
+    .top = 1,
 };
 
 /* At the beginning of the caller's block; ranking, views, scratch and window follow. */
@@ -26,8 +27,9 @@ struct vdna_select {
     void *scratch;
     double margin_bins;
     vdna_camera_time time;
+    vdna_select_position position; /* valid if has_position */
     uint64_t accepted, rejected, restarts;
-    uint32_t state, chosen, restart_cause;
+    uint32_t state, chosen, restart_cause, has_position;
 };
 
 /* see vdna/select.h; in parentheses, because the header has a macro of this name */
@@ -42,6 +44,17 @@ void vdna_select_config_init_sized(vdna_select_config *config, size_t struct_siz
     vdna_config_write(config, struct_size, &select_defaults, sizeof select_defaults);
 }
 
+/* Whether frames can be localised in a candidate. */
+static int is_candidate(const vdna_select_config *config, uint32_t i)
+{
+    const vdna_select_candidate *candidate = &config->candidates[i];
+    if (!config->localisers)
+        return candidate->embeddings && candidate->frames > 0;
+    const vdna_localise *by = config->localisers[i];
+    return candidate->frames > 0 && vdna_localise_frames(by) == candidate->frames &&
+           vdna_localise_dim(by) == config->dim;
+}
+
 static int is_config(const vdna_select_config *config)
 {
     if (!config->candidates || config->candidate_count == 0 || config->dim == 0)
@@ -50,8 +63,10 @@ static int is_config(const vdna_select_config *config)
     if (by_frames == by_time || config->warmup_us < 0 || config->late_us < 0 ||
         config->time_unit > VDNA_TIME_UNIT_S)
         return 0;
+    if (config->top == 0 || (config->top > 1 && !config->localisers))
+        return 0;
     for (uint32_t i = 0; i < config->candidate_count; i++)
-        if (!config->candidates[i].embeddings || config->candidates[i].frames == 0)
+        if (!is_candidate(config, i))
             return 0;
     return 1;
 }
@@ -130,6 +145,12 @@ static vdna_status check_candidates(const vdna_select_config *config)
     return VDNA_OK;
 }
 
+static void reset_localisers(const vdna_select_config *config)
+{
+    for (uint32_t i = 0; config->localisers && i < config->candidate_count; i++)
+        vdna_localise_reset(config->localisers[i]);
+}
+
 /* see vdna/select.h */
 vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t mem_size,
                              vdna_select **out_select)
@@ -159,6 +180,7 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
     vdna_camera_time_init(&s.time, s.config.time_unit, s.config.late_us);
     for (uint32_t i = 0; i < s.config.candidate_count; i++)
         s.views[i] = s.config.candidates[i].dna;
+    reset_localisers(&s.config);
     *out_select = mem;
     **out_select = s;
     return VDNA_OK;
@@ -168,9 +190,11 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
 static void warm_up_again(vdna_select *select)
 {
     vdna_window_reset(select->window);
+    reset_localisers(&select->config);
     select->state = VDNA_SELECT_WARMUP;
     select->chosen = 0;
     select->margin_bins = 0;
+    select->has_position = 0;
 }
 
 /* see vdna/select.h */
@@ -199,14 +223,52 @@ static vdna_status choose(vdna_select *select)
     return VDNA_OK;
 }
 
-static vdna_status localise(const vdna_select *select, const float *embedding,
-                            vdna_select_answer *answer)
+static vdna_status find_nearest_frame(const vdna_select *select, const float *embedding,
+                                      vdna_knn_match *match)
 {
     const vdna_select_candidate *chosen = &select->config.candidates[select->chosen];
-    const vdna_status status = vdna_knn(embedding, select->config.dim, chosen->embeddings,
-                                        chosen->frames, 1, &answer->match);
-    if (status == VDNA_OK)
-        answer->localised = 1;
+    return vdna_knn(embedding, select->config.dim, chosen->embeddings, chosen->frames, 1, match);
+}
+
+/* Let the localisers of the nearest experiences follow, and hear the most confident. */
+static vdna_status follow(vdna_select *select, const float *embedding, vdna_knn_match *match)
+{
+    const vdna_select_config *config = &select->config;
+    vdna_select_position *const best = &select->position;
+    for (uint32_t i = 0; i < config->top && i < config->candidate_count; i++) {
+        const uint32_t candidate = select->ranking[i].candidate;
+        vdna_localise_answer answer;
+        const vdna_status status =
+            vdna_localise_feed(config->localisers[candidate], embedding, &answer);
+        if (status != VDNA_OK)
+            return status;
+        if (i > 0 && answer.confidence <= best->answer.confidence)
+            continue;
+        best->candidate = candidate;
+        best->answer = answer;
+    }
+    select->has_position = 1;
+    match->index = best->answer.nearest;
+    match->distance_sq = 2 * best->answer.nearest_distance;
+    return VDNA_OK;
+}
+
+static vdna_status localise(vdna_select *select, const float *embedding, vdna_select_answer *answer)
+{
+    const vdna_status status = select->config.localisers
+                                   ? follow(select, embedding, &answer->match)
+                                   : find_nearest_frame(select, embedding, &answer->match);
+    answer->localised = status == VDNA_OK;
+    return status;
+}
+
+/* Take a frame of the window into the live means. */
+static vdna_status take_into_means(const vdna_select_config *config, const float *embedding)
+{
+    vdna_status status = VDNA_OK;
+    for (uint32_t i = 0; config->localisers && i < config->candidate_count && status == VDNA_OK;
+         i++)
+        status = vdna_localise_warm_up(config->localisers[i], embedding);
     return status;
 }
 
@@ -261,7 +323,8 @@ static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, 
         return status;
     }
     answer->newly_ranked = (events & VDNA_WINDOW_COMPLETE) != 0;
-    return events & VDNA_WINDOW_ADDED ? VDNA_OK : localise(select, frame->embedding, answer);
+    return events & VDNA_WINDOW_ADDED ? take_into_means(&select->config, frame->embedding)
+                                      : localise(select, frame->embedding, answer);
 }
 
 /* All checks of a frame, before any of it is used. */
@@ -333,6 +396,12 @@ uint32_t vdna_select_chosen(const vdna_select *select)
 double vdna_select_margin_bins(const vdna_select *select)
 {
     return select ? select->margin_bins : 0;
+}
+
+/* see vdna/select.h */
+const vdna_select_position *vdna_select_where(const vdna_select *select)
+{
+    return select && select->has_position ? &select->position : NULL;
 }
 
 /* see vdna/select.h */

@@ -25,6 +25,7 @@ LIVE = os.path.join(WORK, "live")
 CONDITIONS = ["summer", "winter", "night"]
 FRAMES = 24   # of the live drive
 WARMUP = 12   # of them
+MIN_CONFIDENCE = 0.96  # the daemon's default
 RATES = (10, 5, 2)  # Hz; an idle machine manages 100
 
 
@@ -74,8 +75,11 @@ class Network(WithConfiguration):
     def test_says_what_rank_and_localise_say(self):
         said = self.drive("--warmup-frames", WARMUP)
         answers = said.of("localisation")
-        self.assertEqual([answer["validity"] for answer in answers],
-                         ["WARMING_UP"] * WARMUP + ["VALID"] * (FRAMES - WARMUP))
+        self.assertEqual([answer["validity"] for answer in answers[:WARMUP]],
+                         ["WARMING_UP"] * WARMUP)
+        self.assertEqual([answer["validity"] for answer in answers[WARMUP:]],
+                         ["VALID" if answer["confidence"] >= MIN_CONFIDENCE else "UNSURE"
+                          for answer in answers[WARMUP:]])
 
         rankings = said.of("ranking")
         self.assertEqual(len(rankings), 1)
@@ -93,7 +97,8 @@ class Network(WithConfiguration):
         self.assertEqual(chosen, "winter")
         matches = vdna_json("localise", LIVE, MAP, "--in", chosen, "--skip", WARMUP,
                           "--matches")["candidates"][0]["matches"]
-        fields = ("utime", "experience", "frame", "frame_utime", "distance")
+        fields = ("utime", "experience", "frame", "frame_utime", "confidence", "moving",
+                  "nearest_frame", "distance")
         self.assertEqual([[answer[field] for field in fields] for answer in answers[WARMUP:]],
                          [[match[field] for field in fields] for match in matches])
 
@@ -101,8 +106,9 @@ class Network(WithConfiguration):
         said = self.drive("--warmup-seconds", 1.15)
         # Stamps are 0.0, 0.1, ... 1.1; the frame of 1.2 completes the window and is localised.
         self.assertEqual(said.of("ranking")[0]["window_frames"], 12)
-        self.assertEqual([answer["validity"] for answer in said.of("localisation")],
-                         ["WARMING_UP"] * 12 + ["VALID"] * (FRAMES - 12))
+        self.assertEqual([answer["validity"] == "WARMING_UP"
+                          for answer in said.of("localisation")],
+                         [True] * 12 + [False] * (FRAMES - 12))
 
     def test_a_reset_command_makes_it_choose_again(self):
         with Watch() as watch, Selectord("--map", MAP, "--warmup-frames", 4) as daemon:
@@ -261,8 +267,23 @@ class Network(WithConfiguration):
               f"{1000 * max(took):.0f} ms")
         self.assertLess(statistics.median(took), 0.5)
 
+    def test_nobody_has_to_read_what_it_says(self):
+        reading, writing = os.pipe()
+        os.set_blocking(writing, False)
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                os.write(writing, b"full" * 1024)
+        os.set_blocking(writing, True)  # as a parent leaves it
+        with Watch() as watch, Selectord("--map", MAP, "--warmup-frames", 1, errors=writing):
+            for frame in range(4):
+                vdna("command", "reset")
+                vdna("play", LIVE, "--skip", frame, "--frames", 1)
+                watch.wait_for("ranking")
+        os.close(reading)
+        os.close(writing)
+
     def test_a_signal_ends_it_while_it_starts(self):
-        for delay in (0, 0.02, 0.1):
+        for delay in (0, 0.02, 0.1, 0.2, 0.4):
             process = subprocess.Popen([os.path.join(BIN, "vdna_selectord"), "--map", MAP],
                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             time.sleep(delay)
@@ -568,6 +589,11 @@ class CommandLine(WithConfiguration):
         self.assert_refused("[lcm\n", "1:5", "TOML")
         self.assert_refused("[memory]\nlock = 1\n", "2:8", "is 1", "true or false")
         self.assert_refused("[memory]\nbudget_mb = -1\n", "2:13", "is -1", "from 0")
+        self.assert_refused("[select]\ntop = 0\n", "2:7", "is 0", "from 1")
+        self.assert_refused("[localise]\nmin_confidence = 1.5\n", "2:18", "is 1.5", "from 0.0 to 1.0")
+        self.assert_refused("[localise]\nmin_confidence = nan\n", "2:18", "is nan", "a number")
+        self.assert_refused("[localise]\ntolerance = -1\n", "2:13", "is -1", "from 0.0")
+        self.assert_refused("[localise]\nfilter = 'no'\n", "2:10", "is 'no'", "true or false")
         self.assert_refused("[cpu]\nnice = 20\n", "2:8", "is 20", "from -20 to 19")
         self.assert_refused("[cpu]\naffinity = 1\n", "2:12", "is 1", "a string")
 

@@ -56,7 +56,7 @@ def faults_of(said, ranking):
     faults = []
     if rankings != [ranking]:
         faults.append(f"the daemon ranked {rankings}, expected once {ranking}")
-    if validities != ["WARMING_UP"] * WARMUP + ["VALID"] * AFTER:
+    if [v in ("VALID", "UNSURE") for v in validities] != [False] * WARMUP + [True] * AFTER:
         faults.append(f"the daemon's answers were {validities}")
     return faults
 
@@ -82,7 +82,8 @@ def examine(live, others, road_map):
                vdna_json("rank", live, road_map, "--warmup", WARMUP)["ranking"]]
     faults = faults_of(daemon_says(live, road_map), ranking)
     candidates = vdna_json("localise", live, road_map, "--labels", LABELS,
-                           "--tolerance", TOLERANCE, "--matches")["candidates"]
+                           "--localiser", "nearest", "--tolerance", TOLERANCE,
+                           "--matches")["candidates"]
     order = [name for name, _ in ranking]
     return (*judge(recalls(candidates, 0), order), *judge(recalls(candidates, WARMUP), order),
             faults)

@@ -68,6 +68,10 @@ extern "C" {
 #define VDNA_GEAR_FIRST_MIN -8        /**< least `first` of a gear */
 #define VDNA_GEAR_FIRST_MAX 3         /**< greatest `first` of a gear */
 
+/** Confidence below which our programs call an answer unsure, unless told otherwise. The library
+ *  does not use it. */
+#define VDNA_LOCALISE_MIN_CONFIDENCE_DEFAULT 0.96
+
 /** Frames of an experience to localise in. Fill with vdna_localise_map_config_init(). */
 typedef struct vdna_localise_map_config {
     uint32_t struct_size; /**< set by vdna_localise_map_config_init() */
@@ -217,6 +221,16 @@ VDNA_API vdna_status vdna_localise_feed(vdna_localise *localise, const float *em
  * After an error nothing has changed */
 VDNA_API vdna_status vdna_localise_feed_distances(vdna_localise *localise, const float *distances,
                                                   vdna_localise_answer *out_answer);
+
+/** Count the map's frames.
+ *  @param localise  NULL gives 0
+ *  @return N */
+VDNA_API uint32_t vdna_localise_frames(const vdna_localise *localise);
+
+/** Get the numbers in an embedding.
+ *  @param localise  NULL gives 0
+ *  @return dim */
+VDNA_API uint32_t vdna_localise_dim(const vdna_localise *localise);
 
 /** Get the distances d of the frame that was fed last.
  *  @param localise  NULL gives NULL

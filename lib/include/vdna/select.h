@@ -8,6 +8,12 @@
  *  Definition: as in the paper, the live Visual DNA is that of the warmup window only, and a
  *  candidate's that of all its frames.
  *
+ *  Localising. With localisers of vdna/localise.h, one for each candidate, a frame's place is what
+ *  the place filter says, with a confidence: vdna_select_where(). The frames of the warmup go into
+ *  the live mean of each. In the `top` nearest experiences at once, the most confident of their
+ *  filters answers; the nearer experience of equals. Without localisers it is the nearest frame of
+ *  the chosen experience, by the Euclidean distance of the embeddings as they are.
+ *
  *  Time. Stamps go through vdna/camera_time.h first: late frames are refused and counted, and the
  *  unit of the stamps is recognised. A warmup begins anew, with the frame at hand, when camera time
  *  steps back, when its unit is recognised to be another one than microseconds, and after a gap
@@ -20,6 +26,7 @@
 #include <vdna/camera_time.h>
 #include <vdna/hist.h>
 #include <vdna/knn.h>
+#include <vdna/localise.h>
 #include <vdna/rank.h>
 
 #ifdef __cplusplus
@@ -49,7 +56,7 @@ enum {
 /** One experience to choose from. All pointers are borrowed as long as the selector is in use. */
 typedef struct vdna_select_candidate {
     vdna_hist_view dna;      /**< of all frames of the experience */
-    const float *embeddings; /**< [frames][dim] */
+    const float *embeddings; /**< [frames][dim]; NULL is allowed if there are localisers */
     uint32_t frames;         /**< >= 1 */
     uint32_t reserved;       /**< 0 */
 } vdna_select_candidate;
@@ -69,6 +76,12 @@ typedef struct vdna_select_config {
     uint32_t warmup_frames_min; /**< a warmup by time goes on until it has as many frames; default
                                      VDNA_WARMUP_FRAMES_MIN_DEFAULT */
     uint32_t time_unit; /**< of the stamps: VDNA_TIME_UNIT_...; default AUTO, to recognise it */
+    vdna_localise *const *localisers; /**< [candidate_count], each of its candidate's frames; the
+                                           array and they are borrowed, and changed, as long as the
+                                           selector is in use; NULL = none (default) */
+    uint32_t top; /**< localise in so many of the nearest experiences at once: 1 (default) or more,
+                       of which all candidates are the most; without localisers 1 */
+    uint32_t reserved; /**< 0 */
 } vdna_select_config;
 
 /** One live frame. Nothing is kept after the call. */
@@ -86,8 +99,17 @@ typedef struct vdna_select_answer {
                                 vdna_select_ranking() */
     uint32_t restarted;    /**< VDNA_RESTART_...: why the warmup began anew with this frame */
     uint32_t localised;    /**< 1 if `match` is valid */
-    vdna_knn_match match;  /**< nearest frame of the chosen experience */
+    vdna_knn_match match;  /**< nearest frame of the experience localised in; by a localiser, the
+                                squared distance is that of the directions: twice
+                                `nearest_distance` */
 } vdna_select_answer;
+
+/** Where the robot is. */
+typedef struct vdna_select_position {
+    uint32_t candidate;          /**< experience localised in: the chosen one, if `top` is 1 */
+    uint32_t reserved;           /**< 0 */
+    vdna_localise_answer answer; /**< frames of that experience */
+} vdna_select_position;
 
 /** A selector, within the caller's block. */
 typedef struct vdna_select vdna_select;
@@ -163,6 +185,12 @@ VDNA_API uint32_t vdna_select_chosen(const vdna_select *select);
  *  @param select  NULL gives 0
  *  @return bins, >= 0, in state SELECTED; 0 otherwise and with only one candidate */
 VDNA_API double vdna_select_margin_bins(const vdna_select *select);
+
+/** Tell where the robot is, by the newest frame that was localised.
+ *  @param select  NULL gives NULL
+ *  @return borrowed until the next call that changes the selector; NULL without localisers, and
+ *          until a frame has been localised since the choice */
+VDNA_API const vdna_select_position *vdna_select_where(const vdna_select *select);
 
 /** Get all candidates in the order of their distance to the window.
  *  @param select     NULL gives NULL

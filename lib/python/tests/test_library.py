@@ -31,6 +31,7 @@ STRUCTS = {
     "vdna_localise_answer": _library.LocaliseAnswer,
     "vdna_select_candidate": _library.SelectCandidate,
     "vdna_select_config": _library.SelectConfig,
+    "vdna_select_position": _library.SelectPosition,
     "vdna_select_frame": _library.SelectFrame,
     "vdna_select_answer": _library.SelectAnswer,
     "vdna_identity": _library.IdentityFields,

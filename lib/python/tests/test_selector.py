@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 from conftest import histogram_of, small_experience
 
-from libvdna import Candidate, Experience, Match, RankEntry, Selector, Status, VdnaError, emd_mean
+from libvdna import (
+    Candidate,
+    Experience,
+    Localiser,
+    Match,
+    RankEntry,
+    Selector,
+    Status,
+    VdnaError,
+    emd_mean,
+)
 
 
 @pytest.fixture
@@ -49,6 +59,41 @@ def test_it_warms_up_chooses_and_localises(candidates, unit_range):
     selector.reset()
     assert not selector.selected and selector.ranking is None and selector.progress == 0
     assert (selector.window_frames, selector.window_utime) == (0, None)
+
+
+def on_circle(turns):
+    return np.array([np.cos(2 * np.pi * turns), np.sin(2 * np.pi * turns)], np.float32)
+
+
+def test_localisers_follow_from_the_warmup_on(unit_range):
+    """Both experiences go once round a circle; the drive is bright."""
+    frames = np.array([on_circle(i / 12) for i in range(12)])
+    levels = [histogram_of([[level] * 3], unit_range) for level in (-0.9, 0.9)]
+    localisers = [Localiser(frames, tolerance=1) for _ in levels]
+    selector = Selector(
+        [Candidate(histogram, frames) for histogram in levels],
+        warmup_frames=2,
+        localisers=localisers,
+        top=2,
+    )
+    for i in range(8):
+        assert (selector.where is None) == (i <= 2)
+        answer = selector.feed(1000 * i, on_circle(i / 12), BRIGHT)
+    candidate, place = selector.where
+    assert candidate == 1 and abs(place.frame - 7) <= 1 and place.moving
+    assert answer.match == Match(place.nearest, 2 * place.nearest_distance)
+    assert localisers[1].evidence > 0
+    selector.reset()
+    assert selector.where is None and localisers[1].evidence == 0
+
+
+def test_localisers_must_be_those_of_the_candidates(candidates):
+    one = [Localiser(candidates[0].embeddings, tolerance=0)]
+    with pytest.raises(ValueError, match="1 localisers, expected one for each of 2"):
+        Selector(candidates, warmup_frames=2, localisers=one)
+    short = one + [Localiser(np.eye(2, dtype=np.float32)[:1], tolerance=0)]
+    with pytest.raises(VdnaError, match="invalid argument"):
+        Selector(candidates, warmup_frames=2, localisers=short)
 
 
 def test_a_window_of_time_ends_with_the_first_frame_beyond_it(candidates):

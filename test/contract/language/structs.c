@@ -115,6 +115,14 @@ static void print_select(void)
     FIELD(vdna_select_config, late_us);
     FIELD(vdna_select_config, warmup_frames_min);
     FIELD(vdna_select_config, time_unit);
+    FIELD(vdna_select_config, localisers);
+    FIELD(vdna_select_config, top);
+    FIELD(vdna_select_config, reserved);
+
+    STRUCT(vdna_select_position);
+    FIELD(vdna_select_position, candidate);
+    FIELD(vdna_select_position, reserved);
+    FIELD(vdna_select_position, answer);
 
     STRUCT(vdna_select_frame);
     FIELD(vdna_select_frame, utime);

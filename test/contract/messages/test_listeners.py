@@ -108,9 +108,11 @@ class Listeners(unittest.TestCase):
     def hears_the_daemon(self, language):
         if not has_tools(language):
             self.skipTest("no javac or no liblcm-java")
+        sure = WORK / "sure.toml"
+        sure.write_text("[localise]\nmin_confidence = 0\n", encoding="ascii")
         signal.alarm(3 * PATIENCE)  # or a listener that says too little would stop us for good
         with Listening(language) as listener, Watch() as watch, Camera() as camera, \
-                Selectord("--map", MAP, "--warmup-frames", WARMUP,
+                Selectord("-c", sure, "--map", MAP, "--warmup-frames", WARMUP,
                           "--backbone", os.environ["VDNA_STUB_BACKBONE"]):
             for utime in range(FRAMES):
                 camera.send_jpeg(utime, b"picture")

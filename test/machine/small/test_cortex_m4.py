@@ -10,8 +10,8 @@ from pathlib import Path
 
 from machine import SOURCES, CallGraph, Machine
 
-TEXT_MAX = 24 * 1024  # bytes, libgcc's arithmetic included
-STACK_MAX = 1024  # bytes, libgcc's arithmetic included
+TEXT_MAX = 25 * 1024  # bytes, libgcc's arithmetic included
+STACK_MAX = 1280  # bytes, libgcc's arithmetic included: a selector that calls a localiser
 
 try:
     MACHINES = [Machine("cortex-m4"), Machine("cortex-m4f")]

@@ -206,7 +206,7 @@ static void an_incomplete_config_of_a_selector_is_refused(void **state)
     bad[4].struct_size++;
     bad[5].late_us = -1;
     bad[6].time_unit = VDNA_TIME_UNIT_S + 1;
-    int64_t block[64];
+    int64_t block[256];
     vdna_select *select;
     assert_true(vdna_select_mem_size(&good) > 0);
     for (size_t i = 0; i < 7; i++) {
@@ -227,7 +227,7 @@ static void a_candidate_that_cannot_be_chosen_is_refused(void **state)
     bad[1].frames = 0;
     bad[2].dna.neurons = 0;
     bad[3].dna.range = constant;
-    int64_t block[64];
+    int64_t block[256];
     vdna_select *select;
     for (size_t i = 0; i < 4; i++) {
         const vdna_select_config config = select_config(&bad[i]);
@@ -241,7 +241,7 @@ static void a_selector_frame_or_answer_that_is_not_there_is_refused(void **state
     const vdna_select_config config = select_config(&candidate);
     const vdna_activations tap = {&embedding, 1, 1, 0};
     const vdna_select_frame frame = {0, &tap, 1, &embedding}, bare = {0, &tap, 1, NULL};
-    int64_t block[64];
+    int64_t block[256];
     vdna_select *select;
     vdna_select_answer answer;
     assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_OK);

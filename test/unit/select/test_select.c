@@ -17,7 +17,7 @@ static const vdna_select_candidate candidates[] = {
     {{range, high_counts, &high_mass, 1, BINS}, high_embeddings, 2, 0},
 };
 
-static int64_t block[128];
+static int64_t block[256];
 
 /* In microseconds, with no bound of late frames: every step back begins the warmup anew. */
 static vdna_select_config by_frames(uint32_t frames)
@@ -347,7 +347,7 @@ static void a_window_that_is_too_large_to_rank_begins_anew(void **state)
     (void)state;
     /* The least common multiple of the masses, 10^7 and 2^32 - 1, times 65535 passes 63 bits. */
     static uint32_t counts[VDNA_HIST_BINS_MAX] = {10000000};
-    static int64_t room[VDNA_HIST_BINS_MAX / 2 + 64];
+    static int64_t room[VDNA_HIST_BINS_MAX / 2 + 128];
     const vdna_select_candidate huge = {
         {range, counts, counts, 1, VDNA_HIST_BINS_MAX}, low_embeddings, 3, 0};
     vdna_select_config configs[] = {by_frames(2), by_time(1000)};

@@ -24,7 +24,7 @@ struct Chosen {
     }
     vdna_msg_localisation_t message(uint32_t frame) const
     {
-        return vdna::selectord::position_in(experience, {4, frame, 0}, 7);
+        return vdna::selectord::nearest_in(experience, {4, frame, 0}, 7);
     }
     int64_t utimes[2] = {10, 20};
     int64_t places[2] = {3, VDNA_PLACE_NONE};
@@ -68,6 +68,32 @@ void a_map_frame_without_truth_gives_neither_place_nor_position(void **)
     assert_true(message.place == 0 && message.position[0] == 0 && message.position[2] == 0);
 }
 
+void the_nearest_frame_alone_has_no_confidence(void **)
+{
+    const vdna_msg_localisation_t message = Chosen("local", 1, 2, 3).message(1);
+    assert_int_equal(message.validity, VDNA_MSG_LOCALISATION_T_VALID);
+    assert_int_equal(message.nearest_frame, 1);
+    assert_int_equal(message.moving, 1);
+    assert_true(std::isnan(message.confidence));
+}
+
+void a_place_below_the_least_confidence_is_unsure(void **)
+{
+    const Chosen chosen("local", 1, 2, 3);
+    const vdna_localise_answer answer = {0, 1, 0, 0, 0.75, 0.5, 0.125};
+    const auto message = [&](double min_confidence) {
+        return vdna::selectord::position_in(chosen.experience, answer, min_confidence, 7);
+    };
+    assert_int_equal(message(0.76).validity, VDNA_MSG_LOCALISATION_T_UNSURE);
+    const vdna_msg_localisation_t sure = message(0.75);
+    assert_int_equal(sure.validity, VDNA_MSG_LOCALISATION_T_VALID);
+    assert_int_equal(sure.frame, 0);
+    assert_int_equal(sure.place, 3);
+    assert_int_equal(sure.nearest_frame, 1);
+    assert_int_equal(sure.moving, 0);
+    assert_true(sure.confidence == 0.75 && sure.distance == 0.125);
+}
+
 } // namespace
 
 int main()
@@ -76,6 +102,8 @@ int main()
         cmocka_unit_test(a_local_position_goes_out_in_metres_with_its_frame),
         cmocka_unit_test(gps_goes_out_in_degrees_as_it_came),
         cmocka_unit_test(a_map_frame_without_truth_gives_neither_place_nor_position),
+        cmocka_unit_test(the_nearest_frame_alone_has_no_confidence),
+        cmocka_unit_test(a_place_below_the_least_confidence_is_unsure),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -106,6 +106,26 @@ void a_position_in_a_local_frame_is_shown_in_metres_with_the_frame(void **)
     assert_string_equal(json["position_frame"].get<std::string>().c_str(), "depot");
 }
 
+void an_unsure_answer_says_how_unsure(void **)
+{
+    char experience[] = "snow", frame[] = "";
+    vdna_msg_localisation_t answer{};
+    answer.validity = VDNA_MSG_LOCALISATION_T_UNSURE;
+    answer.experience = experience;
+    answer.position_frame = frame;
+    answer.frame = 7;
+    answer.confidence = 0.25;
+    answer.nearest_frame = 9;
+    answer.distance = 0.5;
+    const View &view = view_of(vdna_message_localisation);
+    assert_string_equal(view.text(&answer).c_str(), "localisation UNSURE snow frame 7, confidence "
+                                                    "0.25 (standing), nearest 9 at 0.500 (0.0 ms)");
+    const nlohmann::ordered_json json = view.json(&answer);
+    assert_string_equal(json["validity"].get<std::string>().c_str(), "UNSURE");
+    assert_true(json["confidence"] == 0.25 && json["moving"] == false);
+    assert_true(json["frame"] == 7 && json["nearest_frame"] == 9 && json["distance"] == 0.5);
+}
+
 void the_frames_that_came_too_late_are_shown(void **)
 {
     void *const status = sample_new(&vdna_message_status);
@@ -140,6 +160,7 @@ int main()
         cmocka_unit_test(a_value_of_a_later_version_is_shown_as_unknown),
         cmocka_unit_test(a_position_on_the_globe_is_shown_in_degrees_to_the_centimetre),
         cmocka_unit_test(a_position_in_a_local_frame_is_shown_in_metres_with_the_frame),
+        cmocka_unit_test(an_unsure_answer_says_how_unsure),
         cmocka_unit_test(the_frames_that_came_too_late_are_shown),
         cmocka_unit_test(every_kind_of_message_has_a_type_a_name_and_a_channel_of_its_own),
     };

@@ -29,6 +29,13 @@ struct Stamps {
     uint32_t unit = VDNA_TIME_UNIT_AUTO;         /**< VDNA_TIME_UNIT_... */
 };
 
+/** How frames are localised after the choice. */
+struct Localising {
+    std::vector<vdna_localise *> by; /**< one for each candidate, borrowed as long as the selector
+                                        is in use; empty: by the nearest frame */
+    uint32_t top = 1;                /**< nearest experiences to localise in at once */
+};
+
 /** Limits of a warmup by time, for those that people ask for. */
 constexpr double warmup_seconds_min = 0.001, warmup_seconds_max = 1e6;
 
@@ -39,10 +46,11 @@ class Selector
      *  @param candidates  their pointers are borrowed as long as the selector is in use
      *  @param dim  numbers in an embedding
      *  @param where  names the map in the error
-     *  @param stamps  of the frames */
+     *  @param stamps  of the frames
+     *  @param localising  in the experiences */
     Selector(std::vector<vdna_select_candidate> candidates, uint32_t dim, const Warmup &warmup,
-             const std::string &where, const Stamps &stamps = {})
-        : candidates_(std::move(candidates))
+             const std::string &where, const Stamps &stamps = {}, Localising localising = {})
+        : candidates_(std::move(candidates)), localisers_(std::move(localising.by))
     {
         vdna_select_config config;
         vdna_select_config_init(&config);
@@ -54,6 +62,8 @@ class Selector
         config.warmup_frames_min = warmup.frames_min;
         config.late_us = stamps.late_us;
         config.time_unit = stamps.unit;
+        config.localisers = localisers_.empty() ? nullptr : localisers_.data();
+        config.top = localising.top;
         const size_t size = vdna_select_mem_size(&config);
         memory_.resize(size / sizeof(int64_t) + 1);
         const vdna_status status = vdna_select_init(&config, memory_.data(), size, &select_);
@@ -73,11 +83,13 @@ class Selector
     /** Bytes that the selector holds. */
     size_t memory_size() const
     {
-        return memory_.size() * sizeof memory_[0] + candidates_.size() * sizeof candidates_[0];
+        return memory_.size() * sizeof memory_[0] + candidates_.size() * sizeof candidates_[0] +
+               localisers_.size() * sizeof localisers_[0];
     }
 
   private:
     std::vector<vdna_select_candidate> candidates_;
+    std::vector<vdna_localise *> localisers_;
     std::vector<int64_t> memory_;   // int64_t for its alignment
     vdna_select *select_ = nullptr; // in memory_
 };

@@ -162,7 +162,14 @@ class SelectConfig(Structure):
         ("late_us", c_int64),
         ("warmup_frames_min", c_uint32),
         ("time_unit", c_uint32),
+        ("localisers", POINTER(c_void_p)),
+        ("top", c_uint32),
+        ("reserved", c_uint32),
     ]
+
+
+class SelectPosition(Structure):
+    _fields_ = [("candidate", c_uint32), ("reserved", c_uint32), ("answer", LocaliseAnswer)]
 
 
 class CameraTime(Structure):
@@ -386,6 +393,8 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_localise_config_init": (None, (POINTER(LocaliseConfig),)),
         "vdna_localise_mem_size": (size, (POINTER(LocaliseConfig),)),
         "vdna_localise_reset": (None, (address,)),
+        "vdna_localise_frames": (c_uint32, (address,)),
+        "vdna_localise_dim": (c_uint32, (address,)),
         "vdna_localise_distances": (address, (address,)),
         "vdna_localise_posterior": (None, (address, address)),
         "vdna_localise_mean": (address, (address,)),
@@ -397,6 +406,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_select_progress": (c_double, (address,)),
         "vdna_select_chosen": (c_uint32, (address,)),
         "vdna_select_margin_bins": (c_double, (address,)),
+        "vdna_select_where": (POINTER(SelectPosition), (address,)),
         "vdna_select_ranking": (POINTER(RankPlace), (address, POINTER(c_uint32))),
         "vdna_select_live": (None, (address, POINTER(HistView))),
         "vdna_select_window_frames": (c_uint32, (address,)),

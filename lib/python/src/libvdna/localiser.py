@@ -130,7 +130,7 @@ class Localiser:
         """
         answer = LocaliseAnswer()
         lib.vdna_localise_feed(self._localise, self._embedding(embedding).ctypes.data, answer)
-        return _place_of(answer)
+        return place_of(answer)
 
     def feed_distances(self, distances: ArrayLike) -> Place:
         """Step the filter by distances from elsewhere; the live mean stays.
@@ -142,11 +142,16 @@ class Localiser:
         row = shaped(floats(distances, "distances"), (self._frames,), "distances")
         answer = LocaliseAnswer()
         lib.vdna_localise_feed_distances(self._localise, row.ctypes.data, answer)
-        return _place_of(answer)
+        return place_of(answer)
 
     def reset(self) -> None:
         """Forget the live mean and the posterior."""
         lib.vdna_localise_reset(self._localise)
+
+    @property
+    def address(self) -> Optional[int]:
+        """Of the C object, as long as this one lives."""
+        return self._localise.value
 
     @property
     def distances(self) -> NDArray[np.float32]:
@@ -186,7 +191,8 @@ def _fields_of(gear: Gear) -> GearFields:
     return GearFields(integer(first, "first", -(2**31), 2**31 - 1), 0, padded)
 
 
-def _place_of(answer: LocaliseAnswer) -> Place:
+def place_of(answer: LocaliseAnswer) -> Place:
+    """What the library says of a place."""
     return Place(
         answer.frame,
         answer.confidence,

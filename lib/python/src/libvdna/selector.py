@@ -13,6 +13,7 @@ from .activations import Tap, Taps
 from .distance import RankEntry, entries
 from .experience import Experience
 from .histogram import HistogramView, view_of
+from .localiser import Localiser, Place, place_of
 
 _SELECTED = 1
 _INT64_MAX = 2**63 - 1
@@ -29,12 +30,12 @@ class Candidate(NamedTuple):
 
 
 class Match(NamedTuple):
-    """The nearest frame of the chosen experience."""
+    """The nearest frame of the experience localised in."""
 
     frame: int
     """Index of the frame."""
     distance_sq: float
-    """Squared Euclidean distance of the embeddings."""
+    """Squared Euclidean distance of the embeddings; of their directions, by a localiser."""
 
 
 class Answer(NamedTuple):
@@ -66,6 +67,8 @@ class Selector:
         warmup_frames_min: SupportsIndex = 10,
         late_us: SupportsIndex = 1_000_000,
         time_unit: str = "auto",
+        localisers: Optional[Sequence[Localiser]] = None,
+        top: SupportsIndex = 1,
     ) -> None:
         """
         candidates: at least one, all of one shape, range and dim; not copied
@@ -75,6 +78,9 @@ class Selector:
         late_us: a frame at most this much older than the newest is late; an older one begins the
                  warmup anew
         time_unit: of the stamps: "us", "ns", "ms", "s", or "auto" to recognise it
+        localisers: one for each candidate, of its embeddings, which this selector feeds: `where` then
+                    tells the place by the filter; None = the nearest frame by Euclidean distance
+        top: localise in so many of the nearest candidates at once; 1 without localisers
         VdnaError: MISMATCH if the candidates do not compare, EMPTY or OVERFLOW as emd()
         """
         if not candidates:
@@ -102,15 +108,19 @@ class Selector:
         if time_unit not in _TIME_UNITS:
             raise ValueError(f"time_unit is {time_unit!r}, expected one of {', '.join(_TIME_UNITS)}")
         config.time_unit = _TIME_UNITS.index(time_unit)
+        config.top = integer(top, "top", 1, UINT32_MAX)
+        table = None if localisers is None else _addresses(localisers, len(candidates))
+        if table is not None:
+            config.localisers = table
         memory = block(lib.vdna_select_mem_size(config))
         self._select = c_void_p()  # within `memory`
         lib.vdna_select_init(config, memory.ctypes.data, memory.nbytes, self._select)
 
         # All that the library borrows.
-        self._owner: Any = (list(candidates), embeddings, structs, memory)
-        pointers = HistView()
-        lib.vdna_select_live(self._select, pointers)
-        self._live = HistogramView._over(self._owner, pointers)
+        self._owner: Any = (list(candidates), embeddings, structs, localisers, table, memory)
+        live = HistView()
+        lib.vdna_select_live(self._select, live)
+        self._live = HistogramView._over(self._owner, live)
 
     def feed(self, utime: SupportsIndex, embedding: ArrayLike, *taps: Tap) -> Answer:
         """Take one live frame; nothing of it is kept.
@@ -155,6 +165,15 @@ class Selector:
     def chosen(self) -> Optional[int]:
         """Index of the chosen candidate; None during the warmup."""
         return int(lib.vdna_select_chosen(self._select)) if self.selected else None
+
+    @property
+    def where(self) -> Optional[Tuple[int, Place]]:
+        """Index of the candidate localised in, and the place in it, by the newest frame that was
+        localised; None without localisers, and until the first."""
+        position = lib.vdna_select_where(self._select)
+        if not position:
+            return None
+        return int(position.contents.candidate), place_of(position.contents.answer)
 
     @property
     def ranking(self) -> Optional[List[RankEntry]]:
@@ -206,3 +225,11 @@ class Selector:
     def restarts(self) -> int:
         """Warmups begun anew because of their frames' times."""
         return int(lib.vdna_select_restarts(self._select))
+
+
+def _addresses(localisers: Sequence[Localiser], count: int) -> Any:
+    if len(localisers) != count:
+        raise ValueError(
+            f"there are {len(localisers)} localisers, expected one for each of {count} candidates"
+        )
+    return (c_void_p * count)(*(localiser.address for localiser in localisers))
