@@ -250,6 +250,10 @@ class ExperienceLocaliser
     size_t memory_size() const { return map_.memory_size() + localiser_.memory_size(); }
 
   private:
+    // More than the default: people, lorries and glare take the place of pictures. It costs drives
+    // without them nothing that can be measured (docs/concepts/localisation.md).
+    static constexpr double clutter = 0.2;
+
     // Borrows `places`.
     static vdna_localise_config config_of(const Places &places, bool is_centred)
     {
@@ -257,6 +261,7 @@ class ExperienceLocaliser
         static constexpr double by_any_distance[] = {-2.5, 0.53, 1.1, 0};
         vdna_localise_config config;
         vdna_localise_config_init(&config);
+        config.clutter = clutter;
         config.tolerance = places.tolerance;
         config.place = places.number.empty() ? nullptr : places.number.data();
         if (!is_centred)
