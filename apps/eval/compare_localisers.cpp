@@ -199,9 +199,8 @@ class Run
     record::Recording part_of(size_t reference, const QueryResult &query,
                               const DrivenQuery &driven) const
     {
-        record::Recording part = without_off_route(recording(reference), driven, dim_,
-                                                   evaluation_.tolerance,
-                                                   evaluation_.with_altitude);
+        record::Recording part = without_off_route(
+            recording(reference), driven, dim_, evaluation_.tolerance, evaluation_.with_altitude);
         if (part.frames == 0)
             throw Error(kind_.key + (": no frame of " + traversal(reference).name) +
                         " is beyond the tolerance of the places of " +
@@ -276,7 +275,8 @@ std::vector<LocaliserResult> compare_localisers(const Evaluation &evaluation,
 {
     for (const std::string &key : keys)
         localiser_of(key);
-    program::Progress progress("comparing localisers, drive " + std::string(drive.key), keys.size() * evaluation.queries.size());
+    program::Progress progress("comparing localisers, drive " + std::string(drive.key),
+                               keys.size() * evaluation.queries.size());
     std::vector<LocaliserResult> results;
     for (const Localiser &by : localisers) {
         if (std::find(keys.begin(), keys.end(), by.key) == keys.end())

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <vdna/localise.h>
+
 namespace vdna::eval
 {
 
@@ -29,7 +31,7 @@ struct Threshold {
     double answered;   // percent of all answers that are kept
 };
 
-constexpr double usual_min_confidence = 0.96; // the default of localise.min_confidence
+constexpr double usual_min_confidence = VDNA_LOCALISE_MIN_CONFIDENCE_DEFAULT;
 
 constexpr std::array<double, 8> confidence_thresholds = {
     0.5, 0.6, 0.7, 0.8, 0.9, 0.95, usual_min_confidence, 0.99};

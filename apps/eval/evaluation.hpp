@@ -109,9 +109,9 @@ struct Evaluation {
 
     const std::vector<Traversal> *traversals = nullptr; // borrowed
     std::vector<QueryResult> queries;
-    std::vector<size_t> references;    // traversals: the columns of the tables below
-    std::vector<double> recall;        // [queries][references], percent; NaN without a pair
-    std::vector<MethodResult> methods; // ours first, chance last
+    std::vector<size_t> references;          // traversals: the columns of the tables below
+    std::vector<double> recall;              // [queries][references], percent; NaN without a pair
+    std::vector<MethodResult> methods;       // ours first, chance last
     std::vector<LocaliserResult> localisers; // in the drives as recorded
     std::vector<LocaliserResult> drives;     // in the drives asked for, drive by drive
 };

@@ -34,10 +34,10 @@ struct Answer {
 
 // The map that a localiser gets.
 enum class MapKind {
-    each,  // each reference in turn
-    top,   // the references nearest by Visual DNA, each; the most confident answer counts
-    all,   // all references at once, concatenated
-    fused, // all references fused into one, see eval/reference_maps.hpp
+    each,          // each reference in turn
+    top,           // the references nearest by Visual DNA, each; the most confident answer counts
+    all,           // all references at once, concatenated
+    fused,         // all references fused into one, see eval/reference_maps.hpp
     fused_centred, // the same, of embeddings about the mean of their reference
 };
 
@@ -61,7 +61,8 @@ const Localiser &localiser_of(const std::string &key);
 
 // Answers in several experiences, to the same frames, made one: for each frame that of most
 // confidence, of equals the first experience's. frames: of each experience; answers are then frames
-// of the experiences joined in this order. Answers without a confidence are less confident than any.
+// of the experiences joined in this order. Answers without a confidence are less confident than
+// any.
 std::vector<Answer> most_confident(const std::vector<std::vector<Answer>> &answers,
                                    const std::vector<uint32_t> &frames);
 

@@ -40,8 +40,8 @@ std::string means_table(const eval::Evaluation &evaluation)
     program::TextTable table;
     table.add_row({"localiser", "mean over references", "in the first choice"});
     for (const eval::LocaliserResult &result : evaluation.localisers)
-        table.add_row({result.name, mean_text(result.mean.recall),
-                       mean_text(result.chosen.recall)});
+        table.add_row(
+            {result.name, mean_text(result.mean.recall), mean_text(result.chosen.recall)});
     return table.text();
 }
 
@@ -83,11 +83,9 @@ std::string confidence_tables(const eval::LocaliserResult &result)
 
 // references: those of the score.
 std::vector<std::string> drive_row(const eval::LocaliserResult &result,
-                                   const std::string &references,
-                                   const eval::LocaliserScore &score)
+                                   const std::string &references, const eval::LocaliserScore &score)
 {
-    std::vector<std::string> row = {result.drive, result.name, references,
-                                    mean_text(score.recall)};
+    std::vector<std::string> row = {result.drive, result.name, references, mean_text(score.recall)};
     if (score.confidence) {
         const eval::Threshold &usual = eval::usual_threshold(*score.confidence);
         const double auroc = score.confidence->auroc;
@@ -106,7 +104,8 @@ std::string drives_table(const eval::Evaluation &evaluation)
     table.add_row(drive_heads);
     for (const std::vector<std::string> &row : drive_rows(evaluation))
         table.add_row(row);
-    return "\nDrives: Recall@1 of the frames on the route; precision, right answers kept and frames "
+    return "\nDrives: Recall@1 of the frames on the route; precision, right answers kept and "
+           "frames "
            "answered off the route at a confidence of at least " +
            program::fixed(eval::usual_min_confidence, 2) + "\n" + table.text();
 }
@@ -135,8 +134,8 @@ std::string mean_text(const eval::Mean &mean)
 }
 
 const std::vector<std::string> drive_heads = {
-    "drive",       "localiser", "references",           "Recall@1/%", "AUROC",
-    "precision/%", "kept/%",    "answered off route/%",
+    "drive", "localiser",   "references", "Recall@1/%",
+    "AUROC", "precision/%", "kept/%",     "answered off route/%",
 };
 
 std::vector<std::vector<std::string>> drive_rows(const eval::Evaluation &evaluation)

@@ -33,10 +33,10 @@ std::string means_table(const eval::Evaluation &evaluation)
 {
     std::string body;
     for (const eval::LocaliserResult &result : evaluation.localisers)
-        body += element("tr",
-                        text_element("th scope=\"row\"", eval::localiser_of(result.name).title) +
-                            text_element("td", result.name) + number_cell(mean_text(result.mean.recall)) +
-                            number_cell(mean_text(result.chosen.recall)));
+        body += element(
+            "tr", text_element("th scope=\"row\"", eval::localiser_of(result.name).title) +
+                      text_element("td", result.name) + number_cell(mean_text(result.mean.recall)) +
+                      number_cell(mean_text(result.chosen.recall)));
     return table("Localisers: Recall@1 in %, mean over queries",
                  head_of({"Localiser", "Name", "Mean over references", "In the first choice"}),
                  body);

@@ -58,8 +58,7 @@ void an_answer_is_good_within_tolerance_and_a_frame_without_truth_does_not_count
     const eval::DrivenQuery driven = {f.traversals[0].recording, {1, 2, 4}, std::vector<bool>(5)};
     const vdna_experience map = eval::map_of(f.traversals[1].recording, 1);
     // Places 1 and 2 are told to be at 0 and at 0.
-    const eval::Judgement found =
-        judge({{0, 0.9}, {0, 0.2}, {1, 0.5}}, driven, map, f.evaluation);
+    const eval::Judgement found = judge({{0, 0.9}, {0, 0.2}, {1, 0.5}}, driven, map, f.evaluation);
     assert_true(found.on_route == 2 && found.good == 1 && found.off_route == 0);
     assert_int_equal(found.confident.size(), 2);
     assert_true(found.confident[0].confidence == 0.9 && found.confident[0].good);
@@ -131,9 +130,10 @@ void a_drive_needs_a_map_and_labels_on_the_route(void **)
 
 void the_most_confident_of_several_experiences_answers(void **)
 {
-    const std::vector<eval::Answer> best = eval::most_confident(
-        {{{1, 0.5}, {2, 0.5}, {0, {}}}, {{3, 0.6}, {4, 0.5}, {5, 0.0}}, {{6, 0.4}, {7, 0.9}, {8, {}}}},
-        {10, 20, 30});
+    const std::vector<eval::Answer> best = eval::most_confident({{{1, 0.5}, {2, 0.5}, {0, {}}},
+                                                                 {{3, 0.6}, {4, 0.5}, {5, 0.0}},
+                                                                 {{6, 0.4}, {7, 0.9}, {8, {}}}},
+                                                                {10, 20, 30});
     assert_true(best[0].frame == 13 && *best[0].confidence == 0.6);
     assert_true(best[1].frame == 37 && *best[1].confidence == 0.9);
     assert_true(best[2].frame == 15 && *best[2].confidence == 0.0);

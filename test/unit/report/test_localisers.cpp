@@ -114,11 +114,10 @@ void json_has_the_drives_by_name(void **)
     const program::Json json = report::json_of(f.evaluation, {})["drives"]["gap"];
     assert_true(json["nn"]["first_choice"] ==
                 program::Json({{"recall", 30.0}, {"low", 20.0}, {"high", 40.0}}));
-    assert_true(json["fused"]["mean"]["off_route"] ==
-                program::Json({{"confidence", 0.96},
-                               {"answered_percent", 4.0},
-                               {"low", 1.0},
-                               {"high", 7.0}}));
+    assert_true(
+        json["fused"]["mean"]["off_route"] ==
+        program::Json(
+            {{"confidence", 0.96}, {"answered_percent", 4.0}, {"low", 1.0}, {"high", 7.0}}));
     assert_true(json["fused"]["mean"]["confidence"]["auroc"] == 1.0);
     f.evaluation.drives.clear();
     assert_false(report::json_of(f.evaluation, {}).contains("drives"));
