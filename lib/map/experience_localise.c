@@ -10,6 +10,10 @@
 /* Tolerance where there are neither places nor positions to tell. */
 #define USUAL_TOLERANCE 2
 
+/* More than the default: people, lorries and glare take the place of pictures. It costs drives
+ * without them nothing that can be measured (docs/concepts/localisation.md). */
+#define CLUTTER 0.2
+
 /* Constants of the confidence that do not look at distances: the defaults of the library know those
  * about a mean only. */
 static const double by_any_distance[4] = {-2.5, 0.53, 1.1, 0};
@@ -112,6 +116,7 @@ vdna_status vdna_experience_localise_config(const vdna_experience *experience, d
         places_tolerance = rounded_down(tolerance, UINT32_MAX);
     }
     config->tolerance = places_tolerance;
+    config->clutter = CLUTTER;
     config->place = is_index(place, frames) ? NULL : place;
     if (!vdna_identity_is_centred(&experience->identity))
         memcpy(config->confidence, by_any_distance, sizeof by_any_distance);

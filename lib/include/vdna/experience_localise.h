@@ -14,6 +14,9 @@
  *  - Otherwise, with place numbers, these are the numbers, and the tolerance is T, rounded down.
  *  - Otherwise a frame's number is its index, and the tolerance 2.
  *
+ *  The clutter is 0.2: of a robot's frames, more say nothing than the default of
+ *  vdna/localise.h has.
+ *
  *  Posts of one spot are too far apart to be many, so the time is linear in the frames.
  */
 #ifndef VDNA_EXPERIENCE_LOCALISE_H
@@ -32,9 +35,9 @@ extern "C" {
  *  @param tolerance   within which a match is good, finite and >= 0: metres with positions, else
  *                     place numbers
  *  @param place       [frames], room for the numbers
- *  @param config      from vdna_localise_config_init(): `tolerance` and `confidence` are set, the
- *                     constants that do not look at distances if embeddings are not about a mean,
- *                     and `place`, to NULL if every number is the index, else to `place`
+ *  @param config      from vdna_localise_config_init(): `tolerance` and `clutter` are set,
+ *                     `confidence`, to constants that do not look at distances, if embeddings are
+ *                     not about a mean, and `place`, to NULL if every number is the index, else to `place`
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NOMEM. After an error the config is as it was */
 VDNA_API vdna_status vdna_experience_localise_config(const vdna_experience *experience,
                                                      double tolerance, int64_t *place,
