@@ -98,12 +98,18 @@ static void read_own_addresses(vdna_multicast *m)
     }
 }
 
-/* Whether a datagram comes from this machine. Linux accepts no packet from outside that has one of
- * our addresses as its sender, and none of 127.0.0.0/8. Addresses may be assigned at any time. */
+/* The senders of datagrams that never leave the loopback interface. On a machine without a network
+ * they have no address. */
+static bool is_loopback(uint32_t address)
+{
+    return address == INADDR_ANY || ntohl(address) >> IN_CLASSA_NSHIFT == IN_LOOPBACKNET;
+}
+
+/* Whether a datagram comes from this machine. Linux accepts no packet from outside whose sender has
+ * one of our addresses or one of the above. Addresses may be assigned at any time. */
 static bool is_own(vdna_multicast *m, uint32_t address, int64_t now_us)
 {
-    if (ntohl(address) >> IN_CLASSA_NSHIFT == IN_LOOPBACKNET ||
-        is_among(m->own, m->own_count, address))
+    if (is_loopback(address) || is_among(m->own, m->own_count, address))
         return true;
     if (now_us - m->own_read_us < OWN_PERIOD_US)
         return false;

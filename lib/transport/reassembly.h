@@ -21,7 +21,7 @@
 /* Most messages at a time, of which the caller may hold all but two. */
 #define VDNA_REASSEMBLY_SLOTS 4u
 /* Most messages half received from one sender. */
-#define VDNA_REASSEMBLY_SLOTS_PER_SOURCE 2u
+#define VDNA_REASSEMBLY_SLOTS_PER_SOURCE 3u
 /* Messages that are remembered once they are settled, so that what comes of them again is ignored.
  */
 #define VDNA_REASSEMBLY_SETTLED 256u
