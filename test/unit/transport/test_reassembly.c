@@ -286,6 +286,7 @@ static void a_fragment_lies_within_its_message(void **state)
         size_t size;
     } cases[] = {
         {{7, 100, 0xffffff00, 1, 3}, 0x200}, // the offset wraps: this ended liblcm
+        {{7, 100, 0xffffff00, 1, 3}, 0x110},
         {{7, 100, 90, 1, 3}, 11},
         {{7, 100, 101, 1, 3}, 0},
         {{7, 100, 100, 1, 3}, 1},
@@ -379,6 +380,15 @@ static void a_large_message_is_refused_by_its_first_fragment_and_once(void **sta
     assert_int_equal(accept(fragment_with((header){8, middle, 0, 0, 2}, "COMMAND", 50)).kind,
                      VDNA_ARRIVAL_TOO_LARGE);
     assert_counts(0, 2, 0);
+}
+
+static void other_fragments_of_a_large_message_take_no_place(void **state)
+{
+    (void)state;
+    for (uint32_t sequence = 1; sequence <= 3; sequence++)
+        accept(fragment(sequence, 0, 2));
+    assert_nothing(accept(fragment_with((header){7, 1 << 20, (1 << 20) - 10, 1, 2}, NULL, 10)));
+    assert_counts(0, 0, 0);
 }
 
 static void the_largest_message_and_the_most_fragments_fit(void **state)
@@ -491,7 +501,7 @@ static void lost_messages_are_known_by_the_numbers_of_the_sender(void **state)
     accept(fragment(14, 0, 2));
     assert_int_equal(vdna_reassembly_lost(r), 1);
     accept(short_message(15, "CAMERA", 5));
-    assert_int_equal(vdna_reassembly_lost(r), 1); // 14 is half there
+    assert_int_equal(vdna_reassembly_lost(r), 1);            // 14 is half there
     for (uint32_t sequence = 16; sequence <= 18; sequence++) // so 14 is given up
         accept(fragment(sequence, 0, 2));
     accept(short_message(19, "CAMERA", 5));
@@ -670,6 +680,7 @@ int main(void)
         FRESH(an_overlap_does_not_hide_a_hole),
         FRESH(the_first_content_of_a_fragment_stays),
         FRESH(a_large_message_is_refused_by_its_first_fragment_and_once),
+        FRESH(other_fragments_of_a_large_message_take_no_place),
         FRESH(the_largest_message_and_the_most_fragments_fit),
         FRESH(a_sender_has_three_messages_at_a_time),
         FRESH(the_oldest_of_all_messages_makes_room),
