@@ -131,8 +131,9 @@ static bool enable(int socket, int level, int option, int value)
     return setsockopt(socket, level, option, &value, sizeof value) == 0;
 }
 
-/* Bound to the group, the socket gets nothing that was sent to this machine alone; without
- * IP_MULTICAST_ALL, nothing from interfaces that only others have joined. */
+/* Bound to the group, the socket gets nothing that was sent to this machine alone. It also gets
+ * what comes by interfaces that only others have joined, which a sender of this machine may use
+ * once the route has changed; but not if any machine may send. */
 static bool join(vdna_multicast *m, const network_address *address)
 {
     const struct ip_mreq group = {.imr_multiaddr = address->group.sin_addr};
@@ -140,7 +141,7 @@ static bool join(vdna_multicast *m, const network_address *address)
     return m->socket >= 0 && enable(m->socket, SOL_SOCKET, SO_REUSEADDR, 1) &&
            enable(m->socket, SOL_SOCKET, SO_TIMESTAMPNS, 1) &&
            enable(m->socket, SOL_SOCKET, SO_RCVBUF, address->buffer_bytes) &&
-           enable(m->socket, IPPROTO_IP, IP_MULTICAST_ALL, 0) &&
+           enable(m->socket, IPPROTO_IP, IP_MULTICAST_ALL, !m->from_anywhere) &&
            bind(m->socket, (const struct sockaddr *)&address->group, sizeof address->group) == 0 &&
            setsockopt(m->socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) == 0;
 }

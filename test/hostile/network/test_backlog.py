@@ -1,6 +1,7 @@
 """Messages that come while nobody reads: each is counted, and the first frame after a pause is new."""
 
 import signal
+import struct
 import threading
 import time
 import unittest
@@ -68,18 +69,42 @@ class Backlog(unittest.TestCase):
             self.assertEqual(receiver.changed, [])
             assert_conserved(self, 601, receiver.counters, receiver.frames)
 
-    def test_after_three_seconds_of_sleep_the_first_frame_is_new(self):
-        for url, size, fragment in ((SMALL_BUFFER, 30000, None), (STOCK, 30000, None),
-                                    (SMALL_BUFFER, 300000, 60000), (SMALL_BUFFER, 2000, None)):
+    def test_each_kind_of_message_is_counted(self):
+        reset = struct.pack(">QqiI", 0xD703A8025AC63713, 0, 1, 1) + b"\0"
+        sender = Sender()
+        with Receiver(max_bytes=30000) as receiver:
+            sender.send(reset, "VDNA_COMMAND")
+            sender.send(reset, "VDNA_COMMAND", fragment=20)
+            sender.send(reset + b"?", "VDNA_COMMAND")  # rejected
+            sender.send(bytes(70000), "VDNA_COMMAND", fragment=60000)  # rejected
+            sender.send(bytes(70000), fragment=60000)  # no picture: rejected
+            sender.send(image_message(1, 70000), fragment=60000)  # oversized
+            sender.send(image_message(2, 30001))  # oversized
+            sender.send(image_message(3, 30000))
+            sender.send(image_message(4, 70000), "LIDAR", fragment=60000)
+            sender.send(image_message(5, 100), "LIDAR")
+            sender.raw(b"LC04 is malformed")
+            time.sleep(SETTLED)
+            receiver.end()
+        self.assertEqual([(utime, right) for utime, _, right in receiver.frames], [(3, 1)])
+        self.assertEqual(receiver.counters, {
+            "received": 3, "skipped": 0, "oversized": 2, "rejected": 3, "commands": 2, "lost": 0,
+            "incomplete": 0, "dropped": 0, "malformed": 1, "foreign": 0,
+            "repeated": 4})  # the second fragments of what was not kept
+
+    def test_after_a_sleep_the_first_frame_is_new(self):
+        for url, size, fragment, seconds in (
+                (SMALL_BUFFER, 30000, None, 3), (STOCK, 30000, None, 1),
+                (SMALL_BUFFER, 300000, 60000, 1), (SMALL_BUFFER, 2000, None, 1)):
             camera = Camera([size], fragment)
             with Receiver(url, work_ms=20) as receiver:
                 time.sleep(0.5)
                 receiver.signal(signal.SIGSTOP)
                 before = camera.sent
-                time.sleep(3)
+                time.sleep(seconds)
                 after = camera.sent
                 receiver.signal(signal.SIGCONT)
-                time.sleep(0.7)
+                time.sleep(1.3)  # what is half received is given up after a second
                 camera.stop()
                 time.sleep(SETTLED)
                 receiver.end()
