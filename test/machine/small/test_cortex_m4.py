@@ -1,4 +1,4 @@
-"""lib/core, lib/localise and lib/select on a Cortex-M4 without a C library: their needs, code size and stack.
+"""lib/core, lib/localise, lib/trust and lib/select on a Cortex-M4 without a C library: their needs, code size and stack.
 
 With and without the processor's own floats. Exit code 77 = skipped: no cross compiler.
 """
