@@ -118,7 +118,7 @@ static double apart_sq(const vdna_trust_run *a, size_t frame_a, const vdna_trust
     const int64_t p = a->place[frame_a], q = b->place[frame_b];
     if (p == INT64_MIN || q == INT64_MIN)
         return NAN;
-    return square_of((double)(p > q ? (uint64_t)p - (uint64_t)q : (uint64_t)q - (uint64_t)p));
+    return square_of((double)p - (double)q);
 }
 
 static int is_run(const vdna_trust_run *run)

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary.h"
 #include "recall_angle.h"
 
 static const double bandwidth = 0.25, pair_spread = 0.2; /* of the distances */

@@ -127,8 +127,8 @@ typedef struct vdna_trust_run {
         *embeddings; /**< [frames][dim], finite, about no mean: what frames are localised by */
     const int8_t *last_layer; /**< [frames][last_layer_dim], codes of vdna/int8.h; NULL = none */
     const float *last_layer_scale; /**< [frames], finite, >= 0; NULL = none */
-    const int64_t *place; /**< [frames], place numbers, INT64_MIN = this frame has none; NULL = not
-                               labelled with places */
+    const int64_t *place; /**< [frames], place numbers, exact up to 2^53, INT64_MIN = this frame has
+                             none; NULL = not labelled with places */
     const double *position; /**< [frames][3], metres in one frame for all runs, NaN = this frame has
                                  none; for horizontal distances the third is 0; NULL = none. Where
                                  both runs have positions, these decide, and places do not */

@@ -41,6 +41,10 @@ To localise, the frames of the chosen experience are prepared once, and a locali
 them.
 
 {localise}
+
+Trust in the choice holds what the map knows about itself, and the warmup so far.
+
+{trust}
 """
 
 COMPILED = """\
@@ -75,7 +79,8 @@ def ram_part(program):
     head = ["neurons", "bins", "histogram", "working memory of the distance", "selector"]
     localise_head = ["map frames", "dim", "prepared frames", "localiser"]
     return RAM.format(further=further, table=table(head, [row for row in rows if len(row) == 5]),
-                      localise=table(localise_head, [row for row in rows if len(row) == 4]))
+                      localise=table(localise_head, [row for row in rows if len(row) == 4]),
+                      trust=table(["experiences", "trust"], [row for row in rows if len(row) == 2]))
 
 
 def stacks(machine, folder, objects):

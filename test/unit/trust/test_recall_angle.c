@@ -5,7 +5,7 @@
 
 static void assert_close(double found, long double expected)
 {
-    if (fabsl(found - expected) > 1e-15L)
+    if (fabsl(found - expected) > 2e-15L)
         fail_msg("%.17g is not %.17Lg", found, expected);
 }
 
@@ -43,9 +43,9 @@ static void what_lies_beyond_is_clipped(void **state)
 static void the_log_of_little_is_that_of_a_millionth(void **state)
 {
     (void)state;
-    assert_true(vdna_ln(0) == vdna_log(1e-6));
-    assert_true(vdna_ln(1e-7) == vdna_log(1e-6));
-    assert_true(vdna_ln(2) == vdna_log(2));
+    assert_close(vdna_ln(0), logl(1e-6));
+    assert_close(vdna_ln(1e-7), logl(1e-6));
+    assert_close(vdna_ln(2), logl(2));
 }
 
 int main(void)
