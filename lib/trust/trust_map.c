@@ -392,7 +392,7 @@ vdna_status vdna_trust_pair(const vdna_trust_run *live, const vdna_trust_run *ca
         return VDNA_ERR_MISMATCH;
 
     vdna_status status = compare_frames(live, candidate, tolerance, localiser, &m, out_relative);
-    uint32_t first[VDNA_TRUST_WINDOWS], length;
+    uint32_t first[VDNA_TRUST_WINDOWS], length = 0;
     const uint32_t windows = vdna_trust_windows(live->frames, first, &length);
     for (uint32_t i = 0; i < VDNA_TRUST_WINDOWS && status == VDNA_OK; i++) {
         out_cell->nearest[i] = out_cell->likeness[i] = out_cell->recall[i] = NAN;
