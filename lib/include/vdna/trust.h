@@ -196,7 +196,7 @@ VDNA_API size_t vdna_trust_pair_scratch_size(const vdna_trust_run *live,
  *                          if frames outside a window have no label in one unit
  *  @param tolerance     metres or place numbers, finite, >= 0: as far apart are frames of one place
  *  @param localiser     VDNA_TRUST_CENTRED or _EUCLIDEAN
- *  @param scratch       aligned for double, `scratch_size` bytes, at least those of
+ *  @param scratch, scratch_size  aligned for double, at least the bytes of
  *                       vdna_trust_pair_scratch_size()
  *  @param out_relative  [frames of the live run], rho of each: for vdna_trust_correlation_time()
  *  @param out_cell      complete; `distance` is NaN

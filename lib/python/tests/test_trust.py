@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from libvdna import PLACE_NONE, TRUST_CELL, TRUST_WINDOWS, Status, StoredRun, Trust, TrustTables
-from libvdna import VdnaError, Verdict, relative_nearest, relative_nearest_int8, trust_tables
-from libvdna import trust_windows
+from libvdna import VdnaError, Verdict, trust_tables, trust_windows
 
 HEADER = pathlib.Path(__file__).resolve().parents[3] / "test/golden/trust_golden.h"
 GOLDEN = {
@@ -107,11 +106,10 @@ def test_positions_decide_before_places():
 
 def test_the_last_layer_judges_what_is_unlike():
     random = np.random.default_rng(1)
-    codes = random.integers(-127, 128, (12, 6)).astype(np.int8)
+    last_layer = random.normal(size=(12, 6))
     runs = [
-        StoredRun(random.normal(size=(12, 4)) + 3, last_layer=codes[::step], last_layer_scale=np.ones(12))
-        for step in (1, -1)
-    ]  # fmt: skip
+        StoredRun(random.normal(size=(12, 4)) + 3, last_layer=last_layer[::step]) for step in (1, -1)
+    ]
     tables = trust_tables(runs, 0)
     assert np.allclose(tables.cells[0, 1, 1], 0) and np.isnan(tables.cells[0, 1, 2]).all()
     trust = Trust(tables)
@@ -119,16 +117,22 @@ def test_the_last_layer_judges_what_is_unlike():
     with pytest.raises(VdnaError) as caught:
         trust.feed([0.1, 0.2])
     assert caught.value.status is Status.ARG
+    assert [run.likeness(last_layer[3]) for run in runs] == near([0, 0])
     for _ in range(5):
-        trust.feed([0.1, 0.2], [0.3, 0.4])
+        trust.feed([0.1, 0.2], [run.likeness(last_layer[3] + 0.3) for run in runs])
     answer = trust.predict()
     assert answer.verdict is Verdict.UNLIKE
     assert answer.predictions[0].reason == "the live frames look like none of the experiences"
 
 
 def test_nearest_frames_by_hand():
-    assert relative_nearest([3, 4], [[300, 400], [0, 5]]) == (near(math.sqrt(10 / 25)), 1)
-    assert relative_nearest_int8([3, 4], 0.5, [[3, 4]], [0.5]) == near(0)
+    run = StoredRun([[300, 400], [0, 5]], last_layer=[[0, 127], [127, 0]])
+    assert run.nearest([3, 4]) == (near(math.sqrt(10 / 25)), 1)
+    assert run.likeness([0, 254]) == near(math.sqrt(127**2 / (254 * 127)))
+    with pytest.raises(ValueError, match="no last layer"):
+        StoredRun([[1, 2]]).likeness([1])
+    with pytest.raises(ValueError, match=r"embedding has the shape \[1\], expected \[2\]"):
+        run.nearest([1])
     first, length = trust_windows(48)
     assert first.tolist() == [0, 5, 11, 16, 21, 27, 32] and length == 16
 
@@ -173,7 +177,7 @@ def test_bad_input_is_refused():
         Trust(tables, min_recall=2)
     with pytest.raises(VdnaError):
         trust.reconsider([0, 0, 0, 0])
-    with pytest.raises(ValueError, match="give both"):
-        StoredRun([[1, 2]], last_layer=np.ones((1, 2), np.int8))
+    with pytest.raises(ValueError, match="last_layer has the shape"):
+        StoredRun([[1, 2]], last_layer=[1, 2])
     with pytest.raises(ValueError, match="distances has the shape"):
         trust_tables(list(runs_of()), 2, distances=np.ones((3, 3)))

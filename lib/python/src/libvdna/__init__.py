@@ -31,8 +31,7 @@ from .ranges import Ranges
 from .reference import ReferenceVdna
 from .selector import Answer, Candidate, Match, Selector
 from .trust import TRUST_CELL, TRUST_WINDOWS, Prediction, StoredRun, Trust, TrustAnswer, TrustFit
-from .trust import TrustTables, Verdict, relative_nearest, relative_nearest_int8, trust_tables
-from .trust import trust_windows
+from .trust import TrustTables, Verdict, trust_tables, trust_windows
 
 __version__ = version()
 
@@ -78,8 +77,6 @@ __all__ = [
     "open_map",
     "parse_taps",
     "rank",
-    "relative_nearest",
-    "relative_nearest_int8",
     "trust_tables",
     "trust_windows",
 ]

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._arrays import UINT32_MAX, block, floats, integer, integers, shaped, view
 from ._library import TrustAnswerFields, TrustCell, TrustConfig, TrustFitFields
 from ._library import TrustPredictionFields, TrustRunFields, TrustTablesFields, lib
+from .experience import encoded
 
 #: Most windows of a run.
 TRUST_WINDOWS = 7
@@ -30,14 +31,14 @@ class StoredRun:
         places: Optional[ArrayLike] = None,
         positions: Optional[ArrayLike] = None,
         last_layer: Optional[ArrayLike] = None,
-        last_layer_scale: Optional[ArrayLike] = None,
     ) -> None:
         """
         embeddings: float32 [frames][dim], about no mean: those of an experience
         places: int64 [frames], PLACE_NONE = this frame has none; None = not labelled with places
         positions: float64 [frames][3], metres in one frame for all runs, NaN = this frame has none;
                    for horizontal distances the third is 0; they decide before places
-        last_layer, last_layer_scale: int8 [frames][dim], float32 [frames], as experiences have them
+        last_layer: float32 [frames][its own size], those of an experience; kept in 8 bits
+        VdnaError: NONFINITE for a number of the last layer that is not finite
         """
         values = shaped(floats(embeddings, "embeddings"), ("frames", "dim"), "embeddings")
         self._fields = TrustRunFields()
@@ -51,21 +52,62 @@ class StoredRun:
         if positions is not None:
             metres = floats(positions, "positions", np.float64)
             self._fields.position = self._kept(shaped(metres, (len(values), 3), "positions"))
-        if (last_layer is None) != (last_layer_scale is None):
-            raise ValueError("give both last_layer and last_layer_scale, or neither")
-        if last_layer is not None and last_layer_scale is not None:
-            codes = integers(last_layer, "last_layer", np.int8)
-            codes = shaped(codes, (len(values), "dim"), "last_layer")
-            scales = floats(last_layer_scale, "last_layer_scale")
-            self._fields.last_layer = self._kept(codes)
-            self._fields.last_layer_scale = self._kept(
-                shaped(scales, (len(values),), "last_layer_scale")
+        self._codes: Optional[Tuple[NDArray[np.int8], NDArray[np.float32]]] = None
+        if last_layer is not None:
+            rows = shaped(
+                floats(last_layer, "last_layer"), (len(values), "numbers"), "last_layer"
             )
-            self._fields.last_layer_dim = integer(codes.shape[1], "dim", 0, UINT32_MAX)
+            codes, scales = self._codes = encoded(rows)
+            self._fields.last_layer = codes.ctypes.data
+            self._fields.last_layer_scale = scales.ctypes.data
+            self._fields.last_layer_dim = integer(rows.shape[1], "last_layer", 0, UINT32_MAX)
+        self._embeddings = values
 
     def _kept(self, array: NDArray[np.generic]) -> int:
         self._borrowed.append(array)
         return int(array.ctypes.data)
+
+    def nearest(self, embedding: ArrayLike) -> Tuple[float, int]:
+        """Relative distance, 0..2, of a live frame to the nearest of this run, and its index.
+
+        embedding: float32 [dim], about no mean
+        VdnaError: NONFINITE if a distance is not finite
+        """
+        one = shaped(floats(embedding, "embedding"), (self._embeddings.shape[1],), "embedding")
+        relative, index = c_double(), c_uint32()
+        lib.vdna_trust_nearest(
+            one.ctypes.data,
+            self._embeddings.ctypes.data,
+            self._fields.dim,
+            self._fields.frames,
+            byref(relative),
+            byref(index),
+        )
+        return relative.value, index.value
+
+    def likeness(self, last_layer: ArrayLike) -> float:
+        """The relative distance on the last layer, in 8 bits.
+
+        last_layer: float32 [dim], of a live frame
+        ValueError: this run has no last layer
+        VdnaError: NONFINITE for a number that is not finite
+        """
+        if self._codes is None:
+            raise ValueError("this run has no last layer")
+        codes, scales = self._codes
+        one = shaped(floats(last_layer, "last_layer"), (codes.shape[1],), "last_layer")
+        live, live_scale = encoded(one[None])
+        relative = c_double()
+        lib.vdna_trust_nearest_int8(
+            live.ctypes.data,
+            live_scale[0],
+            codes.ctypes.data,
+            scales.ctypes.data,
+            self._fields.last_layer_dim,
+            self._fields.frames,
+            byref(relative),
+        )
+        return relative.value
 
     @property
     def frames(self) -> int:
@@ -93,46 +135,6 @@ def trust_windows(frames: SupportsIndex) -> Tuple[NDArray[np.uint32], int]:
         integer(frames, "frames", 0, UINT32_MAX), first.ctypes.data, byref(length)
     )
     return first[:count], length.value
-
-
-def relative_nearest(embedding: ArrayLike, frames: ArrayLike) -> Tuple[float, int]:
-    """Relative distance, 0..2, of a frame to the nearest of a run, and its row.
-
-    embedding: float32 [dim], about no mean
-    frames: float32 [frames][dim], about no mean
-    VdnaError: NONFINITE if a distance is not finite, ARG if there is no frame or no number in one
-    """
-    one = shaped(floats(embedding, "embedding"), ("dim",), "embedding")
-    rows = shaped(floats(frames, "frames"), ("frames", len(one)), "frames")
-    relative, index = c_double(), c_uint32()
-    count = integer(len(rows), "the number of frames", 0, UINT32_MAX)
-    lib.vdna_trust_nearest(
-        one.ctypes.data, rows.ctypes.data, len(one), count, byref(relative), byref(index)
-    )
-    return relative.value, index.value
-
-
-def relative_nearest_int8(
-    codes: ArrayLike, scale: float, frames: ArrayLike, scales: ArrayLike
-) -> float:
-    """The same of 8-bit codes.
-
-    codes: int8 [dim]
-    scale: of the codes
-    frames: int8 [frames][dim]
-    scales: float32 [frames]
-    VdnaError: NONFINITE for a scale that is negative or not finite, ARG as relative_nearest()
-    """
-    one = shaped(integers(codes, "codes", np.int8), ("dim",), "codes")
-    rows = shaped(integers(frames, "frames", np.int8), ("frames", len(one)), "frames")
-    of_rows = shaped(floats(scales, "scales"), (len(rows),), "scales")
-    relative = c_double()
-    count = integer(len(rows), "the number of frames", 0, UINT32_MAX)
-    lib.vdna_trust_nearest_int8(
-        one.ctypes.data, scale, rows.ctypes.data, of_rows.ctypes.data, len(one), count,
-        byref(relative),
-    )  # fmt: skip
-    return relative.value
 
 
 def trust_tables(
@@ -302,9 +304,8 @@ class Trust:
     def feed(self, nearest: ArrayLike, likeness: Optional[ArrayLike] = None) -> None:
         """Take a frame of the warmup.
 
-        nearest: float64 [runs], relative_nearest() in each candidate
-        likeness: float64 [runs], relative_nearest_int8() of the last layer; needed if
-                  `fit.by_likeness`
+        nearest: float64 [runs], StoredRun.nearest() of each candidate
+        likeness: float64 [runs], StoredRun.likeness() of each; needed if `fit.by_likeness`
         VdnaError: NONFINITE for a number beyond 0..2, FULL after a million frames, ARG without a
                    likeness that is needed
         """
