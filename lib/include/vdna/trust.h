@@ -44,10 +44,10 @@
  *    = max(1, median of the tau_a). vdna_trust_correlation_time().
  *
  *  A run is **labelled** if cells have what predictions need: as long as some cell of two runs
- * lacks `recall` or `distance` in a window, the run with most such cells is left out, the last of
- * equals. L runs remain; none if that would be one alone. In what follows, x_ab is ln(`nearest` /
- * w_b), y_ab the angle of `recall`, D_ab `distance`, each the mean over the windows of a, a != b,
- * both labelled, and the constants are:
+ *  lacks `recall` or `distance` in a window, the run with most such cells is left out, the last
+ *  of equals. L runs remain; none if that would be one alone. In what follows, x_ab is
+ *  ln(`nearest` / w_b), y_ab the angle of `recall`, D_ab `distance`, each the mean over the
+ *  windows of a, a != b, both labelled, and the constants are:
  *
  *  | localiser | beta0 | T_beta | m0 | T_m | T_u | sigma | v | V |
  *  |---|---|---|---|---|---|---|---|---|
@@ -61,33 +61,33 @@
  *    + k (mean(l) - p), c_b = mu + u (l_b - mu).
  *  - **Transfer** t_b, from a live run's distances D_a: w_a = exp(-(D_a - min D) / max(0.25 sd,
  *    1e-12)), sd that of all D_ab, or of two runs 0.2 of their mean; t_b is the angle of sum(w_a
- *    R_ab) / sum(w_a), R_ab that of y_ab, R_bb = 1. Experiences that look like the live run now
- * vote with what they got in b themselves.
+ *    R_ab) / sum(w_a), R_ab being the recall of y_ab, R_bb = 1. Runs that look like the live one
+ *    vote with what they got in b themselves.
  *  - **Prediction**: y_b = (1 - v) (c_b + beta ln(mean s_b)) + v t_b.
  *  - **Interval**, 80 %: y_b +- q d. Each labelled run is left out in turn, the rest fitted, and
- * the windows of that run predicted, e being the errors. d^2 = V(L) (2 + sum(mean(e^2) / V(L - 1)))
- *    / (2 + L), each mean over a run's windows and candidates. EUCLIDEAN: V(L) = (1 - u) T_u^2 +
- *    (1 - u)^2 k h + sigma^2 + 0.1^2. For the candidate that is predicted best, the mean is over
- *    those predicted best, and d at least that of the others. q is the 0.9 quantile of Student's t
- *    of L + 1 degrees of freedom, from 30 on that of 30.
+ *    the windows of that run predicted, e being the errors. d^2 = V(L) (2 + sum(mean(e^2) /
+ *    V(L - 1))) / (2 + L), each mean over a run's windows and candidates. EUCLIDEAN: V(L) =
+ *    (1 - u) T_u^2 + (1 - u)^2 k h + sigma^2 + 0.1^2. For the candidate that is predicted best,
+ *    the mean is over those predicted best, and d at least that of the others. q is the 0.9
+ *    quantile of Student's t of L + 1 degrees of freedom, from 30 on that of 30.
  *  - **Skill** = 1 - mean |R - predicted| / mean |R - mean of the candidate's column|, over the
- * same left-out runs; 0 if the latter is 0. At 0 or below, distances tell no more of recall than
- * the candidates' means do.
+ *    same left-out runs; 0 if the latter is 0. At 0 or below, distances tell no more of recall
+ *    than the candidates' means do.
  *  - **Unlike**: ln of the mean rho of the live frames to the nearest candidate, minus the largest
  *    such value of a stored run a (mean over its windows of the least ln `likeness` of other runs),
  *    is above 0.10. Where some cell has no `likeness`, on `nearest`, above 0.20 (EUCLIDEAN 0.10).
  *    It needs two runs, and no labels.
- *  - **Settled**, from 10 frames: k being the candidate of highest z_b = c_b + beta ln(mean s_b),
- * z_k
- *    - z_b >= 1.645 |beta| sqrt(var(s_b / mean s_b - s_k / mean s_k) tau / n) for all others, var
- *    over the n frames. If not all runs, or fewer than 3, are labelled: z_b = beta0 ln(mean rho_b).
+ *  - **Settled**, from n = 10 frames: z_b = c_b + beta ln(mean s_b) is highest for k, the first of
+ *    equals, and for all others z_k - z_b >= 1.645 |beta| sqrt(var(s_b / mean s_b - s_k / mean
+ *    s_k) tau / n), var being unbiased and over the n frames. If not all runs, or fewer than 3, are
+ *    labelled: z_b = beta0 ln(mean rho_b), and beta0 for beta.
  *    Never with a skill of 0 or below among 6 labelled runs or more, nor if no tau is known; one
  *    candidate alone is settled at 10.
  *  - **Choosing again**: G_b = max(0, G_b + f (R_b - R_k - 0.02)), G_k = 0, for every f-th frame of
  *    the drive, R being the expected recall, sin(c + beta ln s)^2 or whatever else the caller takes
  *    for it. The b of greatest G_b - C_b > 0 replaces the choice k, and all G begin anew. C_b =
- *    `switch_cost`, doubled if b was left less than 100 frames ago, and again for each such return
- * in the last 100 frames.
+ *    `switch_cost`, doubled if b was left less than 100 frames ago, and again for each such
+ *    return in the last 100 frames.
  *
  *  What this cannot see: a frozen picture, a mirrored one, another route of the same look. Of a
  *  warmup of 10 frames predictions are some points too high.
@@ -123,8 +123,7 @@ enum {
 
 /** A stored run. All pointers are borrowed for the length of the call. */
 typedef struct vdna_trust_run {
-    const float
-        *embeddings; /**< [frames][dim], finite, about no mean: what frames are localised by */
+    const float *embeddings;  /**< [frames][dim], finite, about no mean: to localise by */
     const int8_t *last_layer; /**< [frames][last_layer_dim], codes of vdna/int8.h; NULL = none */
     const float *last_layer_scale; /**< [frames], finite, >= 0; NULL = none */
     const int64_t *place; /**< [frames], place numbers, exact up to 2^53, INT64_MIN = this frame has
@@ -213,7 +212,7 @@ VDNA_API vdna_status vdna_trust_pair(const vdna_trust_run *live, const vdna_trus
  *  @param frames      of the run
  *  @param scratch     [candidates (candidates - 1) / 2], working memory
  *  @param out_frames  tau, in frames; NaN if it cannot be told: fewer than two candidates, fewer
- * than 16 frames, or no differences
+ *                     than 16 frames, or no differences
  *  @return VDNA_OK; VDNA_ERR_ARG */
 VDNA_API vdna_status vdna_trust_correlation_time(const double *relative, uint32_t candidates,
                                                  uint32_t frames, double *scratch,
@@ -232,18 +231,16 @@ typedef struct vdna_trust_tables {
 
 /* ---- What a live run may expect ---- */
 
-/** Configuration. Fill with vdna_trust_config_init(), then set `runs` and, if there are any,
- * `tables`.
- */
+/** Configuration. Fill with vdna_trust_config_init(), then set `runs`, and `tables` if the map has
+ *  them. */
 typedef struct vdna_trust_config {
-    uint32_t struct_size; /**< set by vdna_trust_config_init() */
-    uint32_t runs;        /**< K, the candidates, 1..VDNA_TRUST_RUNS_MAX */
-    const vdna_trust_tables
-        *tables;        /**< of these runs in this order; needed for vdna_trust_init()
-                             only; NULL = the map knows nothing about itself (default) */
-    uint32_t localiser; /**< whose recall the tables have: VDNA_TRUST_CENTRED (default)
-                             or _EUCLIDEAN */
-    uint32_t reserved;  /**< 0 */
+    uint32_t struct_size;            /**< set by vdna_trust_config_init() */
+    uint32_t runs;                   /**< K, the candidates, 1..VDNA_TRUST_RUNS_MAX */
+    const vdna_trust_tables *tables; /**< of these runs; needed for vdna_trust_init() only; NULL =
+                                          the map knows nothing about itself (default) */
+    uint32_t localiser;              /**< whose recall the tables have: VDNA_TRUST_CENTRED (default)
+                                          or _EUCLIDEAN */
+    uint32_t reserved;               /**< 0 */
     double min_recall; /**< POOR below this predicted recall of the best candidate, 0..1; default 0:
                             never. The definition's for EUCLIDEAN is 0.5 */
     double switch_cost; /**< frames that a switch to another candidate costs, 1..1e6; default 5 */
@@ -258,11 +255,10 @@ enum {
 
 /** Why there is no prediction; the first that holds. */
 enum {
-    VDNA_TRUST_REASON_NONE = 0,       /**< there is one */
-    VDNA_TRUST_REASON_NO_TABLES = 1,  /**< the map knows nothing about itself */
-    VDNA_TRUST_REASON_FEW_FRAMES = 2, /**< fewer than VDNA_TRUST_FRAMES_MIN live frames */
-    VDNA_TRUST_REASON_UNLIKE =
-        3, /**< the verdict is VDNA_TRUST_UNLIKE: nothing stored is like it */
+    VDNA_TRUST_REASON_NONE = 0,         /**< there is one */
+    VDNA_TRUST_REASON_NO_TABLES = 1,    /**< the map knows nothing about itself */
+    VDNA_TRUST_REASON_FEW_FRAMES = 2,   /**< fewer than VDNA_TRUST_FRAMES_MIN live frames */
+    VDNA_TRUST_REASON_UNLIKE = 3,       /**< the verdict is VDNA_TRUST_UNLIKE */
     VDNA_TRUST_REASON_FEW_RUNS = 4,     /**< fewer than VDNA_TRUST_RUNS_MIN labelled runs */
     VDNA_TRUST_REASON_NOT_LABELLED = 5, /**< this run is not labelled, though enough others are */
     VDNA_TRUST_REASON_NO_DISTANCE = 6   /**< the distances of the live Visual DNA were not given */
@@ -273,9 +269,8 @@ typedef struct vdna_trust_prediction {
     double recall; /**< predicted share of frames localised correctly in it, 0..1; NaN = `reason` */
     double low;    /**< lower end of the 80 % interval, 0..1; NaN as `recall` */
     double high;   /**< its upper end */
-    double
-        transfer;    /**< 0..1, what runs like this one got in it: for ranking, descending, ties by
-                          distance; NaN without distances, labels of this run, or two labelled runs */
+    double transfer; /**< R of t, 0..1: for ranking, descending, ties by distance; NaN without
+                          distances, labels of this run, or two labelled runs */
     double nearest;  /**< mean s of the live frames, w being 1 without tables; NaN = no frame yet */
     uint32_t reason; /**< why there is no prediction; VDNA_TRUST_REASON_NONE if there is */
     uint32_t reserved; /**< 0 */
@@ -322,7 +317,7 @@ VDNA_API size_t vdna_trust_mem_size(const vdna_trust_config *config);
 /** Fit the tables, and begin a warmup. The time grows with the cube of the labelled runs.
  *  @param config    needed for this call only, and so are its tables
  *  @param mem       aligned for int64_t, `mem_size` bytes; holds the object, so it must stay where
- * it is as long as that is in use; unspecified after VDNA_ERR_NONFINITE
+ *                   it is as long as that is in use
  *  @param mem_size  at least vdna_trust_mem_size()
  *  @param out_trust the object, at the beginning of `mem`
  *  @return VDNA_OK; VDNA_ERR_ARG for a bad config or alignment; VDNA_ERR_NOMEM if too small;
@@ -334,8 +329,8 @@ VDNA_API vdna_status vdna_trust_init(const vdna_trust_config *config, void *mem,
  *  @param trust  NULL is allowed */
 VDNA_API void vdna_trust_reset(vdna_trust *trust);
 
-/** Take a frame of the warmup. All frames count alike, whenever they come; frames may be left out,
- * as long as no candidate's are.
+/** Take a frame of the warmup. All count alike, whenever they come. Not every frame need come here,
+ *  but `settled` then counts those that do.
  *  @param trust     from vdna_trust_init()
  *  @param nearest   [runs], rho of this frame in each candidate, 0..2
  *  @param likeness  [runs], the same on the last layer; ignored unless vdna_trust_fit says
@@ -394,8 +389,8 @@ VDNA_API const vdna_trust_fit *vdna_trust_fitted(const vdna_trust *trust);
 
 /** Look at the intercepts c.
  *  @param trust  NULL gives NULL
- *  @return [runs], radians, NaN for runs that are not labelled and of too few; borrowed as long as
- * the object is in use */
+ *  @return [runs], radians, NaN for runs that are not labelled or are too few; borrowed as long as
+ *          the object is in use */
 VDNA_API const double *vdna_trust_intercepts(const vdna_trust *trust);
 
 /** English text of a reason, to follow "no prediction: ".
