@@ -223,7 +223,7 @@ VDNA_API vdna_status vdna_trust_correlation_time(const double *relative, uint32_
 typedef struct vdna_trust_tables {
     const uint32_t *frames;       /**< [runs], of each run, >= 1: tells how many windows it has */
     const double *own_scale;      /**< [runs], w, 1e-6..2 */
-    const double *correlation;    /**< [runs], tau of each, > 0; NaN = not known */
+    const double *correlation;    /**< [runs], tau of each, >= 0; NaN = not known */
     const vdna_trust_cell *cells; /**< [runs][runs], rows as if live, columns candidates; those of
                                      the diagonal are ignored. In the windows of the row, `nearest`
                                      is finite; the others are finite, or NaN = not known */
