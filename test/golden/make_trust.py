@@ -170,6 +170,20 @@ def print_drive(cal, runs, drive):
     integers("drive_choice", [again.feed(frame) for frame in s.T])
 
 
+def print_settling(cal):
+    """Frames after which the choice settles, the more the louder the noise of the candidates."""
+    t = np.arange(120)
+    noise = np.array([np.sin((1.1 + 0.7 * b) * t + b) + np.sin(0.31 * (b + 1) * t) for b in range(3)]).T
+    doubles("settling_noise", noise)
+    base = np.array([0.2, 0.22, 0.25])
+    settled = []
+    for level in range(20):
+        s = (base * (1 + 0.02 * level * noise)).T / cal["w"][:, None]
+        settled.append(next((n for n in range(1, 121) if trust.settled(cal, s[:, :n])), 0))
+    assert len(set(settled)) > 6, settled
+    integers("settling", settled)
+
+
 def print_flicker():
     """Recall of three candidates that take turns, each for longer than the last, with returns."""
     cal, k, frames = {"c": np.zeros(3), "beta": 1.0}, 3, 400
@@ -252,6 +266,7 @@ def main():
     check(cal, trust.GOLDEN, (*KEYS, "skill", "far", "tau"))
     drive = np.concatenate([live[:24], runs[0][24:] + 0.3 * np.cos(np.arange(8))])
     print_drive(cal, runs, drive)
+    print_settling(cal)
     print_live("clear", drive[24:44], runs)
     s = trust.live_s(cal, drive[24:44], runs)
     assert [n for n in range(1, 21) if trust.settled(cal, s[:, :n])][0] == trust.GOLDEN["settled_at"][1] == 10

@@ -367,10 +367,10 @@ static void places_and_positions_do_not_compare(void **state)
 static void a_frame_at_the_mean_is_alike_to_none(void **state)
 {
     (void)state;
-    /* About the mean (0, 0, 0): the first row has no direction; the live frame points away from the
-     * second. */
+    /* About the mean (0, 0, 0): the first row has no direction, and is at a right angle to all. The
+     * live frames are a little nearer than that to a row. */
     static const float map_frames[][DIM] = {{0, 0, 0}, {1, 1, 0}, {-1, -1, 0}};
-    static const float live_frames[][DIM] = {{1, 0.5f, 0}, {-1, -0.5f, 0}, {0, 0, 0}};
+    static const float live_frames[][DIM] = {{0.3f, 0, 1}, {-0.3f, 0, -1}, {0, 0, 0}};
     static const int64_t map_places[] = {50, 1, 2}, live_places[] = {1, 2, 50};
     const vdna_trust_run map = {
         .embeddings = map_frames[0], .place = map_places, .frames = 3, .dim = DIM};
