@@ -15,6 +15,7 @@ ROOMS = {
     "lib/baseline": (2, ["lib/core"]),
     "lib/geodesy": (2, ["lib/core"]),
     "lib/localise": (2, ["lib/core"]),
+    "lib/trust": (2, ["lib/core"]),
     "lib/identity": (3, ["lib/core", "lib/fail"]),
     "lib/picture": (3, ["lib/core", "lib/fail"]),
     "lib/replace": (3, ["lib/core", "lib/fail"]),

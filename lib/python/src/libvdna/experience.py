@@ -119,7 +119,7 @@ class Experience:
         self._last_layer = self._last_layer_scale = None
         if last_layer is not None:
             values = shaped(floats(last_layer, "last_layer"), (frames, "numbers"), "last_layer")
-            self._last_layer, self._last_layer_scale = _encoded(values)
+            self._last_layer, self._last_layer_scale = encoded(values)
 
         dna = view_of(histogram)
         self._owner = None
@@ -308,7 +308,7 @@ class Experience:
         return str(self._file.order.decode())
 
 
-def _encoded(values: NDArray[np.float32]) -> Tuple[NDArray[np.int8], NDArray[np.float32]]:
+def encoded(values: NDArray[np.float32]) -> Tuple[NDArray[np.int8], NDArray[np.float32]]:
     """The codes of vdna/int8.h for each row, and the rows' scales.
 
     VdnaError: NONFINITE for a NaN or an infinity, ARG for rows of no numbers
