@@ -44,7 +44,7 @@ ROOMS = {
 }
 
 # The public headers of rooms whose name they do not bear.
-CORE_HEADERS = "activation camera_time emd hist image int8 knn range rank status version window"
+CORE_HEADERS = "activation camera_time emd hist image int8 knn pixels range rank status version window"
 HEADERS = {**{name: "lib/core" for name in CORE_HEADERS.split()},
            "listener": "lib/transport", "message": "lib/transport"}
 UMBRELLA = "vdna"
