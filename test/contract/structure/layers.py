@@ -14,6 +14,7 @@ ROOMS = {
     "lib/fail": (2, ["lib/core"]),
     "lib/baseline": (2, ["lib/core"]),
     "lib/geodesy": (2, ["lib/core"]),
+    "lib/health": (2, ["lib/core"]),
     "lib/localise": (2, ["lib/core"]),
     "lib/identity": (3, ["lib/core", "lib/fail"]),
     "lib/picture": (3, ["lib/core", "lib/fail"]),

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include <vdna/emd.h>
+#include <vdna/health.h>
 #include <vdna/hist.h>
 #include <vdna/knn.h>
 #include <vdna/localise.h>
@@ -18,6 +19,9 @@
 #define CANDIDATES 16u
 #define ROWS 1150u
 #define DIM 128u
+#define WIDTH 640u
+#define HEIGHT 480u
+#define CHANNELS 3u
 
 // The C library chooses among several of these by the processor; the counts must not.
 void *memset(void *block, int byte, size_t size)
@@ -196,6 +200,17 @@ static void prepare_localise(enum data data)
     query[0] += 100;
 }
 
+static uint8_t picture[WIDTH * HEIGHT * CHANNELS];
+
+// The range of activations is that of grey levels.
+static void prepare_health(enum data data)
+{
+    for (size_t i = 0; i < sizeof picture; i++) {
+        const float value = activation(data, i, sizeof picture);
+        picture[i] = value < -1 ? 0 : value > 1 ? 255 : (uint8_t)(127.5f * (value + 1));
+    }
+}
+
 static vdna_status run_hist_add(void)
 {
     return vdna_hist_add(&hists[0], &tap, 1);
@@ -236,6 +251,13 @@ static vdna_status run_localise(void)
     return vdna_localise_feed(localiser, query, &answer);
 }
 
+static vdna_status run_health(void)
+{
+    const vdna_pixels pixels = {picture, WIDTH * CHANNELS, WIDTH, HEIGHT, CHANNELS, {2, 1, 0}};
+    vdna_health_picture measured_picture;
+    return vdna_health_measure(&pixels, &measured_picture);
+}
+
 static const struct {
     const char *name;
     void (*prepare)(enum data data);
@@ -250,6 +272,7 @@ static const struct {
     {"rank", prepare_rank, run_rank},
     {"knn", make_map, run_knn},
     {"localise", prepare_localise, run_localise},
+    {"health", prepare_health, run_health},
 };
 
 __attribute__((noipa)) vdna_status measured(vdna_status (*run)(void));

@@ -7,8 +7,8 @@ The core is compiled here, with fixed flags for any x86-64, so that the counts d
 compiler alone. With a compiler other than the baseline's, only the independence of the data is
 checked, which holds with any.
 
-VDNA_CORE is the folder of the core's sources, VDNA_LOCALISE that of lib/localise, VDNA_INCLUDE that
-of the public headers.
+VDNA_CORE is the folder of the core's sources, VDNA_LOCALISE that of lib/localise, VDNA_HEALTH that
+of lib/health, VDNA_INCLUDE that of the public headers.
 """
 import glob
 import json
@@ -24,6 +24,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
 CORE = os.environ.get("VDNA_CORE", os.path.join(ROOT, "lib", "core"))
 LOCALISE = os.environ.get("VDNA_LOCALISE", os.path.join(ROOT, "lib", "localise"))
+HEALTH = os.environ.get("VDNA_HEALTH", os.path.join(ROOT, "lib", "health"))
 INCLUDE = os.environ.get("VDNA_INCLUDE", os.path.join(ROOT, "lib", "include"))
 BASELINE = os.path.join(HERE, "baseline.json")
 # The last one, as for proofs, leaves out the versions of loops that the loader chooses by the
@@ -39,6 +40,7 @@ THINGS = {
     "rank": "16 distances",
     "knn": "the nearest of 1150 embeddings",
     "localise": "a frame among 1150 map frames, with a step of the filter",
+    "health": "a picture of 640x480 in colour, measured",
 }
 KINDS = ["random", "constant", "sorted", "extreme"]
 DRIFT_MAX = 0.01      # from the baseline
@@ -58,7 +60,8 @@ def build(folder):
                     os.path.join(HERE, "instructions.c"), "-o", program + ".o"], check=True)
     subprocess.run(["gcc", *FLAGS, "-I", INCLUDE, program + ".o",
                     "-I", CORE, *sorted(glob.glob(os.path.join(CORE, "*.c"))),
-                    *sorted(glob.glob(os.path.join(LOCALISE, "*.c"))), "-o", program], check=True)
+                    *sorted(glob.glob(os.path.join(LOCALISE, "*.c"))),
+                    *sorted(glob.glob(os.path.join(HEALTH, "*.c"))), "-o", program], check=True)
     return program
 
 
