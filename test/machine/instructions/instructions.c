@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include <vdna/emd.h>
+#include <vdna/health.h>
 #include <vdna/hist.h>
 #include <vdna/knn.h>
 #include <vdna/localise.h>
@@ -20,6 +21,9 @@
 #define ROWS 1150u
 #define DIM 128u
 #define RUNS 100u // most experiences of a warmup
+#define WIDTH 640u
+#define HEIGHT 480u
+#define CHANNELS 3u
 
 // The C library chooses among several of these by the processor; the counts must not.
 void *memset(void *block, int byte, size_t size)
@@ -255,6 +259,17 @@ static void prepare_trust_100(enum data data)
     prepare_trust(data, RUNS);
 }
 
+static uint8_t picture[WIDTH * HEIGHT * CHANNELS];
+
+// The range of activations is that of grey levels.
+static void prepare_health(enum data data)
+{
+    for (size_t i = 0; i < sizeof picture; i++) {
+        const float value = activation(data, i, sizeof picture);
+        picture[i] = value < -1 ? 0 : value > 1 ? 255 : (uint8_t)(127.5f * (value + 1));
+    }
+}
+
 static vdna_status run_hist_add(void)
 {
     return vdna_hist_add(&hists[0], &tap, 1);
@@ -307,6 +322,13 @@ static vdna_status run_predict(void)
     return vdna_trust_predict(trust, relative, predictions, &answer);
 }
 
+static vdna_status run_health(void)
+{
+    const vdna_pixels pixels = {picture, WIDTH * CHANNELS, WIDTH, HEIGHT, CHANNELS, {2, 1, 0}};
+    vdna_health_picture measured_picture;
+    return vdna_health_measure(&pixels, &measured_picture);
+}
+
 static const struct {
     const char *name;
     void (*prepare)(enum data data);
@@ -325,6 +347,7 @@ static const struct {
     {"trust_100", prepare_trust_100, run_trust},
     {"predict_4", prepare_trust_4, run_predict},
     {"predict_100", prepare_trust_100, run_predict},
+    {"health", prepare_health, run_health},
 };
 
 __attribute__((noipa)) vdna_status measured(vdna_status (*run)(void));

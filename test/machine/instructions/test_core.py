@@ -8,7 +8,7 @@ compiler alone. With a compiler other than the baseline's, only the independence
 checked, which holds with any.
 
 VDNA_CORE is the folder of the core's sources, VDNA_LOCALISE that of lib/localise, VDNA_TRUST that of
-lib/trust, VDNA_INCLUDE that of the public headers.
+lib/trust, VDNA_HEALTH that of lib/health, VDNA_INCLUDE that of the public headers.
 """
 import glob
 import json
@@ -25,6 +25,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
 CORE = os.environ.get("VDNA_CORE", os.path.join(ROOT, "lib", "core"))
 LOCALISE = os.environ.get("VDNA_LOCALISE", os.path.join(ROOT, "lib", "localise"))
 TRUST = os.environ.get("VDNA_TRUST", os.path.join(ROOT, "lib", "trust"))
+HEALTH = os.environ.get("VDNA_HEALTH", os.path.join(ROOT, "lib", "health"))
 INCLUDE = os.environ.get("VDNA_INCLUDE", os.path.join(ROOT, "lib", "include"))
 BASELINE = os.path.join(HERE, "baseline.json")
 # The last one, as for proofs, leaves out the versions of loops that the loader chooses by the
@@ -44,6 +45,7 @@ THINGS = {
     "trust_100": "the same among 100",
     "predict_4": "predictions for 4 experiences, their distances found",
     "predict_100": "the same for 100",
+    "health": "a picture of 640x480 in colour, measured",
 }
 DEPENDENT = {"trust_4", "trust_100", "predict_4", "predict_100"}  # maxima, roundings, equal candidates
 KINDS = ["random", "constant", "sorted", "extreme"]
@@ -65,7 +67,8 @@ def build(folder):
     subprocess.run(["gcc", *FLAGS, "-I", INCLUDE, program + ".o",
                     "-I", CORE, *sorted(glob.glob(os.path.join(CORE, "*.c"))),
                     *sorted(glob.glob(os.path.join(LOCALISE, "*.c"))),
-                    *sorted(glob.glob(os.path.join(TRUST, "*.c"))), "-o", program], check=True)
+                    *sorted(glob.glob(os.path.join(TRUST, "*.c"))),
+                    *sorted(glob.glob(os.path.join(HEALTH, "*.c"))), "-o", program], check=True)
     return program
 
 

@@ -29,7 +29,7 @@ Written by `cmake --build build --target memory_core` from measurements; the tes
 RAM = """\
 ## RAM
 
-`lib/core`, `lib/localise`, `lib/trust` and `lib/select` have no variables and allocate nothing. These are the
+`lib/core`, `lib/health`, `lib/localise` and `lib/select` have no variables and allocate nothing. These are the
 blocks that the caller provides, as the `vdna_..._size()` functions give them on a 64-bit machine. A
 selector holds the live histogram and the working memory of the distance; it is for four experiences here,
 and each further one takes {further}. The experiences themselves stay in their files, which are
@@ -58,7 +58,7 @@ frame of variable size and no call through a pointer.
 
 ## Code
 
-`lib/core`, `lib/localise`, `lib/trust` and `lib/select` with their constants. What libgcc adds for arithmetic that
+`lib/core`, `lib/health`, `lib/localise` and `lib/select` with their constants. What libgcc adds for arithmetic that
 a processor lacks is counted apart.
 
 {code}
