@@ -294,12 +294,38 @@ void distances_are_about_the_means_if_the_embeddings_are_made_for_that(void **)
     assert_true(chosen.memory_size() > size_t{200} * 8 * 2);
 }
 
+void the_confidence_is_that_of_fewer_directions_if_embeddings_are_projected(void **)
+{
+    Looks looks;
+    looks.map.frame_position = nullptr;
+    const std::vector<float> directions(8 * 9);
+    looks.map.identity.projection = directions.data();
+    looks.map.identity.raw_dim = 9;
+    const double of_few = looks.last_answer().confidence;
+
+    const vdna::LocaliserMap frames(looks.map.embeddings, looks.map.frames, 8, "looks");
+    vdna_localise_config config;
+    vdna_localise_config_init(&config);
+    config.tolerance = 2;
+    config.confidence[0] = -0.95; // 8 is 64 halved three times
+    config.confidence[3] = -10.4;
+    vdna::Localiser localiser(frames, config, "looks");
+    vdna_localise_answer answer{};
+    for (size_t i = 0; i < 20; i++)
+        assert_int_equal(vdna_localise_warm_up(localiser.get(), &looks.embeddings[8 * i]), VDNA_OK);
+    for (size_t i = 20; i <= 60; i++)
+        assert_int_equal(vdna_localise_feed(localiser.get(), &looks.embeddings[8 * i], &answer),
+                         VDNA_OK);
+    assert_float_equal(answer.confidence, of_few, 1e-12);
+}
+
 } // namespace
 
 int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(a_plain_route_has_the_index_for_its_number),
+        cmocka_unit_test(the_confidence_is_that_of_fewer_directions_if_embeddings_are_projected),
         cmocka_unit_test(a_second_and_a_third_lap_have_the_numbers_of_the_first),
         cmocka_unit_test(a_lap_beside_the_first_is_another_place_beyond_the_tolerance),
         cmocka_unit_test(numbers_are_those_of_posts_where_frames_are_dense),

@@ -240,7 +240,9 @@ class ExperienceLocaliser
     ExperienceLocaliser(const vdna_experience &experience, double tolerance, bool is_centred)
         : map_(experience.embeddings, experience.frames, experience.identity.dim, experience.name,
                is_centred),
-          localiser_(map_, config_of(places_of(experience, tolerance), is_centred), experience.name)
+          localiser_(map_,
+                     config_of(places_of(experience, tolerance), experience.identity, is_centred),
+                     experience.name)
     {
     }
 
@@ -253,7 +255,8 @@ class ExperienceLocaliser
 
   private:
     // Borrows `places`.
-    static vdna_localise_config config_of(const Places &places, bool is_centred)
+    static vdna_localise_config config_of(const Places &places, const vdna_identity &identity,
+                                          bool is_centred)
     {
         // The defaults look at distances about the means; these do not look at distances.
         static constexpr double by_any_distance[] = {-2.5, 0.53, 1.1, 0};
@@ -261,8 +264,14 @@ class ExperienceLocaliser
         vdna_localise_config_init(&config);
         config.tolerance = places.tolerance;
         config.place = places.number.empty() ? nullptr : places.number.data();
-        if (!is_centred)
+        if (!is_centred) {
             std::copy(std::begin(by_any_distance), std::end(by_any_distance), config.confidence);
+        } else if (identity.projection) {
+            // Distances along fewer directions are smaller; fitted for 16 to 256 of them
+            // (docs/concepts/paper.md, Fewer numbers).
+            config.confidence[0] = 1 + 0.65 * std::log2(identity.dim / 64.0);
+            config.confidence[3] = -10.4;
+        }
         return config;
     }
 
