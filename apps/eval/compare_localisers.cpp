@@ -99,10 +99,13 @@ class Run
                         (*evaluation_.traversals)[query.traversal].name +
                         " has a frame with ground truth, which tells frames of one place; leave " +
                         by_.key + " out of --localisers");
-        const Drive drive = {
-            recording(query.traversal), query.warmup_begin, query.warmup_frames, query.live, dim,
-            evaluation_.tolerance};
-        const vdna_experience experience = map_of(map, dim);
+        const record::Recording live =
+            record::projected(recording(query.traversal), query.projection);
+        const record::Recording kept = record::projected(map, query.projection);
+        vdna_experience experience = map_of(kept, dim);
+        query.projection.set_in(experience.identity);
+        const Drive drive = {live,       query.warmup_begin,      query.warmup_frames,
+                             query.live, experience.identity.dim, evaluation_.tolerance};
         return recall_of(by_.find(drive, experience), drive, experience, evaluation_, judged_);
     }
 
