@@ -1,12 +1,14 @@
 // The places of an experience, and the localiser that is set up by them.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <ctime>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include <vdna/cpp/experience_localiser.hpp>
+#include <vdna/geodesy.h>
 
 #include "cmocka.hpp"
 
@@ -206,6 +208,37 @@ void one_frame_or_no_label_leaves_two_frames_of_tolerance(void **)
     assert_true(places_of(unlabelled, 5).number.empty());
 }
 
+void what_makes_no_sense_is_refused_and_changes_nothing(void **)
+{
+    vdna_experience experience{};
+    experience.frames = 3;
+    int64_t place[3];
+    vdna_localise_config config;
+    vdna_localise_config_init(&config);
+    config.tolerance = 77;
+    for (const double tolerance : {-1.0, nan_m, HUGE_VAL})
+        assert_int_equal(vdna_experience_localise_config(&experience, tolerance, place, &config),
+                         VDNA_ERR_ARG);
+    assert_int_equal(vdna_experience_localise_config(nullptr, 1, place, &config), VDNA_ERR_ARG);
+    assert_int_equal(vdna_experience_localise_config(&experience, 1, nullptr, &config),
+                     VDNA_ERR_ARG);
+    assert_int_equal(vdna_experience_localise_config(&experience, 1, place, nullptr), VDNA_ERR_ARG);
+    experience.frames = 0;
+    assert_int_equal(vdna_experience_localise_config(&experience, 1, place, &config), VDNA_ERR_ARG);
+    assert_int_equal(config.tolerance, 77);
+}
+
+void spots_beyond_what_an_integer_counts_are_places_too(void **)
+{
+    Route route;
+    for (int lap = 0; lap < 2; lap++)
+        for (int i = 0; i < 20; i++)
+            route.add(1e150 * (i % 2 ? 1 : -1), 1e17 * i);
+    const Places places = route.places(1);
+    for (size_t i = 0; i < 20; i++)
+        assert_int_equal(places.number[20 + i], i);
+}
+
 // Processor time to number the frames of a robot that drives through `spots` of 1 m and stands in
 // each, the least of three.
 double time_for(int frames, int spots)
@@ -290,33 +323,29 @@ void distances_are_about_the_means_if_the_embeddings_are_made_for_that(void **)
     looks.map.identity.embedding[0] = '\0';
     assert_true(mean_of() == 0);
     assert_true(std::abs(looks.last_answer().confidence - confidence) > 1e-3);
-    vdna::ExperienceLocaliser chosen(looks.map, 2, true);
+    vdna::ExperienceLocaliser chosen(looks.map, 2);
     assert_true(chosen.memory_size() > size_t{200} * 8 * 2);
 }
 
 void the_confidence_is_that_of_fewer_directions_if_embeddings_are_projected(void **)
 {
-    Looks looks;
-    looks.map.frame_position = nullptr;
-    const std::vector<float> directions(8 * 9);
-    looks.map.identity.projection = directions.data();
-    looks.map.identity.raw_dim = 9;
-    const double of_few = looks.last_answer().confidence;
-
-    const vdna::LocaliserMap frames(looks.map.embeddings, looks.map.frames, 8, "looks");
-    vdna_localise_config config;
-    vdna_localise_config_init(&config);
-    config.tolerance = 2;
-    config.confidence[0] = -0.95; // 8 is 64 halved three times
-    config.confidence[3] = -10.4;
-    vdna::Localiser localiser(frames, config, "looks");
-    vdna_localise_answer answer{};
-    for (size_t i = 0; i < 20; i++)
-        assert_int_equal(vdna_localise_warm_up(localiser.get(), &looks.embeddings[8 * i]), VDNA_OK);
-    for (size_t i = 20; i <= 60; i++)
-        assert_int_equal(vdna_localise_feed(localiser.get(), &looks.embeddings[8 * i], &answer),
-                         VDNA_OK);
-    assert_float_equal(answer.confidence, of_few, 1e-12);
+    const auto confidence_of = [](uint32_t dim, bool is_centred) {
+        const std::vector<float> directions(size_t{dim} * dim);
+        vdna_experience experience{};
+        experience.frames = 1;
+        experience.identity.dim = experience.identity.raw_dim = dim;
+        experience.identity.projection = directions.data();
+        std::strcpy(experience.identity.embedding, is_centred ? "map centred" : "map");
+        int64_t place = 0;
+        vdna_localise_config config;
+        vdna_localise_config_init(&config);
+        assert_int_equal(vdna_experience_localise_config(&experience, 1, &place, &config), VDNA_OK);
+        return std::vector<double>(config.confidence, config.confidence + 4);
+    };
+    assert_true((confidence_of(64, true) == std::vector<double>{1, 0.53, 1.1, -10.4}));
+    assert_float_equal(confidence_of(256, true)[0], 2.3, 1e-12);
+    assert_float_equal(confidence_of(16, true)[0], -0.3, 1e-12);
+    assert_true((confidence_of(64, false) == std::vector<double>{-2.5, 0.53, 1.1, 0}));
 }
 
 } // namespace
@@ -336,6 +365,8 @@ int main()
         cmocka_unit_test(positions_count_horizontally),
         cmocka_unit_test(place_numbers_are_taken_as_they_are),
         cmocka_unit_test(one_frame_or_no_label_leaves_two_frames_of_tolerance),
+        cmocka_unit_test(what_makes_no_sense_is_refused_and_changes_nothing),
+        cmocka_unit_test(spots_beyond_what_an_integer_counts_are_places_too),
         cmocka_unit_test(the_time_is_linear_in_the_frames),
         cmocka_unit_test(places_and_not_frames_have_the_mass),
         cmocka_unit_test(distances_are_about_the_means_if_the_embeddings_are_made_for_that),
