@@ -213,6 +213,9 @@ static void print_map(void)
     FIELD(vdna_identity, bins);
     FIELD(vdna_identity, range);
     FIELD(vdna_identity, embedding);
+    FIELD(vdna_identity, projection);
+    FIELD(vdna_identity, raw_dim);
+    FIELD(vdna_identity, reserved);
 
     STRUCT(vdna_tap);
     FIELD(vdna_tap, name);
@@ -272,6 +275,8 @@ static void print_backbone(void)
     FIELD(vdna_backbone_info, decode_bytes);
     FIELD(vdna_backbone_info, last_layer_dim);
     FIELD(vdna_backbone_info, embedding_int8);
+    FIELD(vdna_backbone_info, embedding_dims);
+    FIELD(vdna_backbone_info, reserved);
 
     STRUCT(vdna_backbone_frame);
     FIELD(vdna_backbone_frame, taps);

@@ -298,6 +298,9 @@ class IdentityFields(Structure):
         ("bins", c_uint32),
         ("range", c_void_p),
         ("embedding", c_char * 256),
+        ("projection", c_void_p),
+        ("raw_dim", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 
@@ -369,6 +372,8 @@ class BackboneFields(Structure):
         ("decode_bytes", c_uint64),
         ("last_layer_dim", c_uint32),
         ("embedding_int8", c_uint32),
+        ("embedding_dims", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 
@@ -487,6 +492,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         ),
         "vdna_identity_text": (POINTER(IdentityFields), address),
         "vdna_identity_hash": (POINTER(IdentityFields), address),
+        "vdna_identity_project": (POINTER(IdentityFields), address, address),
         "vdna_int8_encode": (address, size, address, address),
         "vdna_taps_append": (address, size, POINTER(TapFields)),
         "vdna_experience_open": (path, POINTER(Error), POINTER(ExperienceFile)),
