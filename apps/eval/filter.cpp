@@ -25,7 +25,7 @@ std::vector<Answer> follow(const Drive &drive, const vdna_experience &map,
 {
     ExperienceLocaliser localiser(about_its_mean(map), drive.tolerance);
     uint32_t next = drive.begin;
-    for (; next < drive.begin + drive.warmup_frames; next++)
+    for (; next + VDNA_LOCALISE_LEAD_FRAMES < drive.begin + drive.warmup_frames; next++)
         require(vdna_localise_warm_up(localiser.get(), drive.embedding(next)), map.name);
     std::vector<Answer> answers;
     vdna_localise_answer found{};

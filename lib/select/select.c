@@ -27,9 +27,11 @@ struct vdna_select {
     void *scratch;
     double margin_bins;
     vdna_camera_time time;
-    vdna_select_position position; /* valid if has_position */
+    vdna_select_position position; /* valid in state SELECTED, if there are localisers */
+    float *leads;                  /* [VDNA_LOCALISE_LEAD_FRAMES][dim], a ring */
+    uint64_t lead_count;           /* all so far */
     uint64_t accepted, rejected, restarts;
-    uint32_t state, chosen, restart_cause, has_position;
+    uint32_t state, chosen, restart_cause;
 };
 
 /* see vdna/select.h; in parentheses, because the header has a macro of this name */
@@ -94,9 +96,9 @@ static vdna_window_config window_config_of(const vdna_select_config *config,
 
 /* The parts of the caller's block, in order; each size keeps the next part aligned. */
 typedef struct layout {
-    size_t select, ranking, views, scratch, window; /* bytes of each */
-    size_t total;                                   /* 0 if the config is invalid */
-    vdna_select_config config;                      /* complete */
+    size_t select, ranking, views, scratch, leads, window; /* bytes of each */
+    size_t total;                                          /* 0 if the config is invalid */
+    vdna_select_config config;                             /* complete */
 } layout;
 
 static size_t aligned(size_t size)
@@ -120,9 +122,11 @@ static layout layout_of(const vdna_select_config *given)
     l.ranking = aligned(sizeof(vdna_rank_entry) * (size_t)config->candidate_count);
     l.views = aligned(sizeof(vdna_hist_view) * (size_t)config->candidate_count);
     l.scratch = vdna_emd_scratch_size(shape.neurons);
+    if (config->localisers)
+        l.leads = aligned(sizeof(float) * VDNA_LOCALISE_LEAD_FRAMES * (size_t)config->dim);
     l.window = vdna_window_mem_size(&window);
     if (l.window != 0 && l.scratch != 0)
-        l.total = l.select + l.ranking + l.views + l.scratch + l.window;
+        l.total = l.select + l.ranking + l.views + l.scratch + l.leads + l.window;
     return l;
 }
 
@@ -166,17 +170,19 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
 
     unsigned char *const ranking = (unsigned char *)mem + l.select;
     unsigned char *const views = ranking + l.ranking, *const scratch = views + l.views;
+    unsigned char *const leads = scratch + l.scratch;
     vdna_activations shape;
     const vdna_window_config window = window_config_of(&l.config, &shape);
     vdna_select s;
     memset(&s, 0, sizeof s);
-    status = vdna_window_init(&window, scratch + l.scratch, l.window, &s.window);
+    status = vdna_window_init(&window, leads + l.leads, l.window, &s.window);
     if (status != VDNA_OK)
         return status;
     s.config = l.config;
     s.ranking = (vdna_rank_entry *)(void *)ranking;
     s.views = (vdna_hist_view *)(void *)views;
     s.scratch = scratch;
+    s.leads = (float *)(void *)leads;
     vdna_camera_time_init(&s.time, s.config.time_unit, s.config.late_us);
     for (uint32_t i = 0; i < s.config.candidate_count; i++)
         s.views[i] = s.config.candidates[i].dna;
@@ -194,7 +200,7 @@ static void warm_up_again(vdna_select *select)
     select->state = VDNA_SELECT_WARMUP;
     select->chosen = 0;
     select->margin_bins = 0;
-    select->has_position = 0;
+    select->lead_count = 0;
 }
 
 /* see vdna/select.h */
@@ -247,7 +253,6 @@ static vdna_status follow(vdna_select *select, const float *embedding, vdna_knn_
         best->candidate = candidate;
         best->answer = answer;
     }
-    select->has_position = 1;
     match->index = best->answer.nearest;
     match->distance_sq = 2 * best->answer.nearest_distance;
     return VDNA_OK;
@@ -262,13 +267,37 @@ static vdna_status localise(vdna_select *select, const float *embedding, vdna_se
     return status;
 }
 
-/* Take a frame of the window into the live means. */
-static vdna_status take_into_means(const vdna_select_config *config, const float *embedding)
+static float *lead(const vdna_select *select, uint64_t number)
 {
+    return select->leads + select->config.dim * (number % VDNA_LOCALISE_LEAD_FRAMES);
+}
+
+/* Take a frame of the window: the one that it pushes out of the leads goes into the live means. */
+static vdna_status take_lead(vdna_select *select, const float *embedding)
+{
+    const vdna_select_config *config = &select->config;
+    if (!config->localisers)
+        return VDNA_OK;
+    float *const place = lead(select, select->lead_count);
     vdna_status status = VDNA_OK;
-    for (uint32_t i = 0; config->localisers && i < config->candidate_count && status == VDNA_OK;
-         i++)
-        status = vdna_localise_warm_up(config->localisers[i], embedding);
+    if (select->lead_count >= VDNA_LOCALISE_LEAD_FRAMES)
+        for (uint32_t i = 0; i < config->candidate_count && status == VDNA_OK; i++)
+            status = vdna_localise_warm_up(config->localisers[i], place);
+    memcpy(place, embedding, config->dim * sizeof *embedding);
+    select->lead_count++;
+    return status;
+}
+
+/* Let the localisers of the chosen follow the leads to where the robot is. */
+static vdna_status follow_leads(vdna_select *select)
+{
+    uint64_t number = 0;
+    if (select->lead_count > VDNA_LOCALISE_LEAD_FRAMES)
+        number = select->lead_count - VDNA_LOCALISE_LEAD_FRAMES;
+    vdna_status status = VDNA_OK;
+    vdna_knn_match unused;
+    for (; number < select->lead_count && status == VDNA_OK; number++)
+        status = follow(select, lead(select, number), &unused);
     return status;
 }
 
@@ -316,15 +345,18 @@ static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, 
     uint32_t events = 0;
     vdna_status status =
         vdna_window_add(select->window, utime, frame->taps, frame->tap_count, &events);
+    if (status == VDNA_OK && (events & VDNA_WINDOW_ADDED))
+        status = take_lead(select, frame->embedding);
     if (status == VDNA_OK && (events & VDNA_WINDOW_COMPLETE))
         status = choose(select);
+    if (status == VDNA_OK && (events & VDNA_WINDOW_COMPLETE))
+        status = follow_leads(select);
     if (status != VDNA_OK) {
         warm_up_again(select);
         return status;
     }
     answer->newly_ranked = (events & VDNA_WINDOW_COMPLETE) != 0;
-    return events & VDNA_WINDOW_ADDED ? take_into_means(&select->config, frame->embedding)
-                                      : localise(select, frame->embedding, answer);
+    return events & VDNA_WINDOW_ADDED ? VDNA_OK : localise(select, frame->embedding, answer);
 }
 
 /* All checks of a frame, before any of it is used. */
@@ -401,7 +433,9 @@ double vdna_select_margin_bins(const vdna_select *select)
 /* see vdna/select.h */
 const vdna_select_position *vdna_select_where(const vdna_select *select)
 {
-    return select && select->has_position ? &select->position : NULL;
+    const int is_placed =
+        vdna_select_state(select) == VDNA_SELECT_SELECTED && select->lead_count > 0;
+    return is_placed ? &select->position : NULL;
 }
 
 /* see vdna/select.h */

@@ -68,6 +68,10 @@ extern "C" {
 #define VDNA_GEAR_FIRST_MIN -8        /**< least `first` of a gear */
 #define VDNA_GEAR_FIRST_MAX 3         /**< greatest `first` of a gear */
 
+/** Frames by which a filter should find its place before its answers are used: feed so many of the
+ *  last frames of a warmup, and take those before them into the mean only. */
+#define VDNA_LOCALISE_LEAD_FRAMES 10u
+
 /** Confidence below which our programs call an answer unsure, unless told otherwise. The library
  *  does not use it. */
 #define VDNA_LOCALISE_MIN_CONFIDENCE_DEFAULT 0.96

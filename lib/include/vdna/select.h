@@ -10,7 +10,8 @@
  *
  *  Localising. With localisers of vdna/localise.h, one for each candidate, a frame's place is what
  *  the place filter says, with a confidence: vdna_select_where(). The frames of the warmup go into
- *  the live mean of each. In the `top` nearest experiences at once, the most confident of their
+ *  the live mean of each; the last VDNA_LOCALISE_LEAD_FRAMES of them are kept until the choice, and
+ *  then lead the filters of the chosen to where the robot is. In the `top` nearest experiences at once, the most confident of their
  *  filters answers; the nearer experience of equals. Without localisers it is the nearest frame of
  *  the chosen experience, by the Euclidean distance of the embeddings as they are.
  *
@@ -186,10 +187,10 @@ VDNA_API uint32_t vdna_select_chosen(const vdna_select *select);
  *  @return bins, >= 0, in state SELECTED; 0 otherwise and with only one candidate */
 VDNA_API double vdna_select_margin_bins(const vdna_select *select);
 
-/** Tell where the robot is, by the newest frame that was localised.
+/** Tell where the robot is, by the newest frame.
  *  @param select  NULL gives NULL
  *  @return borrowed until the next call that changes the selector; NULL without localisers, and
- *          until a frame has been localised since the choice */
+ *          unless in state SELECTED */
 VDNA_API const vdna_select_position *vdna_select_where(const vdna_select *select);
 
 /** Get all candidates in the order of their distance to the window.

@@ -16,7 +16,7 @@ static const vdna_select_candidate candidates[] = {
     {{range, high_counts, &mass, 1, 2}, NULL, FRAMES, 0},
 };
 
-static int64_t map_block[2][256], localiser_block[2][1024], block[256];
+static int64_t map_block[2][256], localiser_block[2][1024], block[512];
 static vdna_localise *localisers[2];
 
 static void at_angle(double turns, float *out)
@@ -25,11 +25,11 @@ static void at_angle(double turns, float *out)
     out[1] = (float)sin(2 * acos(-1.0) * turns);
 }
 
-static void make_localiser(uint32_t which, uint32_t frames)
+static void make_localiser(uint32_t which, uint32_t frames, double begin)
 {
     float embeddings[FRAMES][DIM];
     for (uint32_t i = 0; i < FRAMES; i++)
-        at_angle((double)i / FRAMES + 0.5 * which, embeddings[i]);
+        at_angle((double)i / FRAMES + begin, embeddings[i]);
     vdna_localise_map_config of_map;
     vdna_localise_map_config_init(&of_map);
     of_map.frames = frames;
@@ -48,8 +48,8 @@ static void make_localiser(uint32_t which, uint32_t frames)
 
 static vdna_select_config config_of_two(uint32_t top)
 {
-    make_localiser(0, FRAMES);
-    make_localiser(1, FRAMES);
+    make_localiser(0, FRAMES, 0);
+    make_localiser(1, FRAMES, 0.5);
     vdna_select_config config;
     vdna_select_config_init(&config);
     config.candidates = candidates;
@@ -88,8 +88,9 @@ static void frames_after_the_choice_are_placed_in_the_chosen_experience(void **s
     (void)state;
     vdna_select *select = selector(1);
     feed(select, 1, 0);
-    assert_int_equal(feed(select, 2, 1.0 / FRAMES).localised, 0);
     assert_null(vdna_select_where(select));
+    assert_int_equal(feed(select, 2, 1.0 / FRAMES).localised, 0);
+    assert_in_range(vdna_select_where(select)->answer.nearest, 0, 2); /* led there by the warmup */
     for (uint32_t i = 2; i < 8; i++) {
         const vdna_select_answer answer = feed(select, i + 1, (double)i / FRAMES);
         const vdna_select_position *where = vdna_select_where(select);
@@ -104,16 +105,30 @@ static void frames_after_the_choice_are_placed_in_the_chosen_experience(void **s
     assert_true(vdna_localise_distances(localisers[1])[0] == 0); /* never asked */
 }
 
+/* All but the last ones, which lead the filter of the chosen. */
 static void frames_of_the_warmup_go_into_every_live_mean(void **state)
 {
     (void)state;
-    vdna_select *select = selector(1);
+    enum { LEADS = VDNA_LOCALISE_LEAD_FRAMES };
+    vdna_select_config config = config_of_two(1);
+    config.warmup_frames = LEADS + 2;
+    vdna_select *select;
+    assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_OK);
     double before[2];
     for (uint32_t which = 0; which < 2; which++)
         before[which] = vdna_localise_mean(localisers[which])[0];
-    feed(select, 1, 0);
+    for (uint32_t i = 0; i < LEADS + 1; i++)
+        feed(select, i + 1, (double)i / FRAMES);
     for (uint32_t which = 0; which < 2; which++) /* the map's own mean is worth 3 frames */
         assert_true(fabs(vdna_localise_mean(localisers[which])[0] - (before[which] + 0.25)) < 1e-6);
+
+    feed(select, LEADS + 2, (LEADS + 1.0) / FRAMES);
+    float second[DIM];
+    at_angle(1.0 / FRAMES, second);
+    assert_true(fabs(vdna_localise_mean(localisers[1])[0] - (1 + second[0]) / 5) < 1e-6);
+    assert_true(vdna_localise_evidence(localisers[1]) == 0);
+    assert_true(vdna_localise_evidence(localisers[0]) > 0);
+    assert_in_range(vdna_select_where(select)->answer.frame, LEADS, LEADS + 1);
 }
 
 static void a_warmup_anew_forgets_the_place(void **state)
@@ -151,10 +166,11 @@ static void of_equally_confident_experiences_the_nearer_answers(void **state)
 {
     (void)state;
     vdna_select *select = selector(7); /* of two */
+    make_localiser(1, FRAMES, 0);      /* "high" looks like "low" */
     for (uint32_t i = 0; i < 4; i++)
-        feed(select, i + 1, 0.25); /* no frame moves after the first: no step, no confidence */
+        feed(select, i + 1, (double)i / FRAMES);
     assert_int_equal(vdna_select_where(select)->candidate, 0);
-    assert_true(vdna_select_where(select)->answer.confidence == 0);
+    assert_true(vdna_localise_evidence(localisers[0]) == vdna_localise_evidence(localisers[1]));
 }
 
 static void localisers_that_do_not_fit_are_refused(void **state)
@@ -169,7 +185,7 @@ static void localisers_that_do_not_fit_are_refused(void **state)
     assert_int_equal(vdna_select_mem_size(&config), 0);
 
     config = config_of_two(1);
-    make_localiser(1, FRAMES - 1);
+    make_localiser(1, FRAMES - 1, 0.5);
     assert_int_equal(vdna_select_mem_size(&config), 0);
     localisers[1] = NULL;
     assert_int_equal(vdna_select_mem_size(&config), 0);

@@ -128,6 +128,7 @@ class Localiser:
             tolerance=config.tolerance,
             places=place if config.place else None,
             centred=experience.identity.is_centred,
+            clutter=config.clutter,
             confidence=tuple(config.confidence),
         )
 
