@@ -26,7 +26,14 @@ int64_t bytes_of(const char *text, const char *key)
 
 } // namespace
 
-ResidentMemory::ResidentMemory() : file_(open("/proc/self/status", O_RDONLY | O_CLOEXEC)) {}
+ResidentMemory::ResidentMemory() : ResidentMemory(std::string("self")) {}
+
+ResidentMemory::ResidentMemory(pid_t process) : ResidentMemory(std::to_string(process)) {}
+
+ResidentMemory::ResidentMemory(const std::string &process)
+    : file_(open(("/proc/" + process + "/status").c_str(), O_RDONLY | O_CLOEXEC))
+{
+}
 
 ResidentMemory::~ResidentMemory()
 {

@@ -1,7 +1,10 @@
-// Resident memory of the process.
+// Resident memory of a process.
 #pragma once
 
 #include <cstdint>
+#include <string>
+
+#include <sys/types.h>
 
 namespace vdna::selectord
 {
@@ -13,11 +16,12 @@ struct Resident {
     int64_t most = 0;      // since the process began
 };
 
-// Keeps /proc/self/status open; reading it again allocates nothing.
+// Keeps /proc/PID/status open; reading it again allocates nothing.
 class ResidentMemory
 {
   public:
-    ResidentMemory();
+    ResidentMemory(); // of this process
+    explicit ResidentMemory(pid_t process);
     ~ResidentMemory();
     ResidentMemory(const ResidentMemory &) = delete;
     ResidentMemory &operator=(const ResidentMemory &) = delete;
@@ -25,6 +29,8 @@ class ResidentMemory
     Resident read() const;
 
   private:
+    explicit ResidentMemory(const std::string &process);
+
     int file_;
 };
 
