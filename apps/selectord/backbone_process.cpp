@@ -28,7 +28,7 @@ namespace
 using program::monotonic_us;
 
 constexpr int64_t opening_us = 120 * 1000000; // a large network on a slow card
-constexpr int64_t shortest_pause_us = 100000, longest_pause_us = 5000000;
+constexpr int64_t shortest_pause_us = 10000, longest_pause_us = 5000000;
 constexpr int64_t reaping_us = 100000; // what a killed process may take; if longer, it goes on later
 
 // A budget that nobody set: networks have been seen to take 8 times as long beside a load.
