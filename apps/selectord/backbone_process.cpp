@@ -9,7 +9,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/eventfd.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,6 +16,7 @@
 #include <vdna/cpp/error.hpp>
 
 #include "program/clock.hpp"
+#include "program/exit_code.hpp"
 #include "selectord/backbone_child.hpp"
 
 namespace vdna::selectord
@@ -27,7 +27,10 @@ namespace
 
 using program::monotonic_us;
 
-constexpr int64_t opening_us = 120 * 1000000; // a large network on a slow card
+// What opening may take: at first, a large network on a slow card; then by the first.
+constexpr int64_t first_opening_us = 120 * 1000000, shortest_opening_us = 5 * 1000000;
+constexpr int64_t openings_in_limit = 10;
+
 constexpr int64_t shortest_pause_us = 10000, longest_pause_us = 5000000;
 constexpr int64_t reaping_us = 100000; // what a killed process may take; if longer, it goes on later
 
@@ -97,36 +100,35 @@ void close_end(int &end)
     end = -1;
 }
 
-// Start this program as the process of a network. It gets its three files, and reads and prints
-// nothing. Gives 0 or what is wrong.
-int spawn_child(int mailbox, int go, int done, pid_t &out_pid)
+// What follows fork(): nothing but system calls, because another thread may have held any lock.
+[[noreturn]] void become_child(int mailbox, int go, int done)
 {
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
+    const int nothing = ::open("/dev/null", O_RDWR);
     for (int standard = 0; standard <= 2; standard++)
-        posix_spawn_file_actions_addopen(&files, standard, "/dev/null", O_RDWR, 0);
-    posix_spawn_file_actions_adddup2(&files, mailbox, mailbox_fd);
-    posix_spawn_file_actions_adddup2(&files, go, go_fd);
-    posix_spawn_file_actions_adddup2(&files, done, done_fd);
+        dup2(nothing, standard);
+    dup2(mailbox, mailbox_fd);
+    dup2(go, go_fd);
+    dup2(done, done_fd);
 
     // It ends when the daemon does, which may be signalled with all processes of its group.
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
     sigset_t blocked;
     sigemptyset(&blocked);
     for (const int number : {SIGTERM, SIGINT, SIGHUP})
         sigaddset(&blocked, number);
-    posix_spawnattr_setsigmask(&attributes, &blocked);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+    sigprocmask(SIG_SETMASK, &blocked, nullptr);
 
-    char name[] = "vdna_selectord";
-    std::string option = backbone_process_option;
-    char *const arguments[] = {name, option.data(), nullptr};
-    const int status =
-        posix_spawn(&out_pid, "/proc/self/exe", &files, &attributes, arguments, environ);
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&files);
-    return status;
+    execl("/proc/self/exe", "vdna_selectord", backbone_process_option, nullptr);
+    _exit(program::exit_failed);
+}
+
+// Start this program as the process of a network. Gives 0 or what is wrong. posix_spawn() would wait
+// for its exec, which a signal to stop may keep from coming.
+int spawn_child(int mailbox, int go, int done, pid_t &out_pid)
+{
+    out_pid = fork();
+    if (out_pid == 0)
+        become_child(mailbox, go, done);
+    return out_pid < 0 ? errno : 0;
 }
 
 } // namespace
@@ -153,7 +155,7 @@ const vdna_backbone_operations BackboneProcess::operations = {
 
 BackboneProcess::BackboneProcess(const Config &config)
     : config_(config), mailbox_(config.max_image_bytes), stop_(make_event()),
-      budget_us_(opening_us), pause_us_(shortest_pause_us)
+      opening_us_(first_opening_us), budget_us_(first_opening_us), pause_us_(shortest_pause_us)
 {
 }
 
@@ -181,6 +183,7 @@ uint64_t BackboneProcess::own_bytes() const
 
 vdna_status BackboneProcess::open(vdna_error &error)
 {
+    const int64_t begin_us = monotonic_us();
     start();
     if (state_ == State::opening && wait(deadline_us_) != Event::replied)
         note_end();
@@ -189,9 +192,10 @@ vdna_status BackboneProcess::open(vdna_error &error)
                     "%s: the network cannot be opened in a process of its own: %s; see whether "
                     "[backbone] process = false tells more",
                     config_.manifest.c_str(), reason_.c_str());
-    vdna_status status = take_first_description(error);
+    const vdna_status status = take_first_description(error);
     if (status != VDNA_OK)
         return status;
+    opening_us_ = std::max(openings_in_limit * (monotonic_us() - begin_us), shortest_opening_us);
     find_budget();
     return state_ == State::idle ? VDNA_OK : refuse(error);
 }
@@ -252,7 +256,7 @@ void BackboneProcess::start()
         return come_back_later();
     }
     state_ = State::opening;
-    deadline_us_ = monotonic_us() + opening_us;
+    deadline_us_ = monotonic_us() + opening_us_;
     post(0);
 }
 
@@ -320,7 +324,7 @@ void BackboneProcess::note_end()
         return end("it gave no answer within " + milliseconds(2 * budget_us_) +
                    ", twice its budget ([backbone] budget_ms)");
     if (state_ == State::opening && monotonic_us() >= deadline_us_)
-        return end("it was not open within " + milliseconds(opening_us));
+        return end("it was not open within " + milliseconds(opening_us_));
     end("it ended");
     if (pid_ == 0)
         reason_ = how_it_ended(exit_status_);

@@ -87,6 +87,7 @@ class BackboneProcess
     State state_ = State::away;
     bool is_other_ = false; // it came back as another network
     std::string reason_;    // "it ...": why it is not there
+    int64_t opening_us_; // that opening may take
     int64_t budget_us_;
     int64_t deadline_us_ = 0;
     int64_t restart_us_ = 0;
