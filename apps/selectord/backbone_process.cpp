@@ -153,8 +153,8 @@ const vdna_backbone_operations BackboneProcess::operations = {
     [](void *state) { static_cast<BackboneProcess *>(state)->cancel(); },
 };
 
-BackboneProcess::BackboneProcess(const Config &config)
-    : config_(config), mailbox_(config.max_image_bytes), stop_(make_event()),
+BackboneProcess::BackboneProcess(const Config &config, bool lock)
+    : config_(config), lock_(lock), mailbox_(config.max_image_bytes), stop_(make_event()),
       opening_us_(first_opening_us), budget_us_(first_opening_us), pause_us_(shortest_pause_us)
 {
 }
@@ -246,7 +246,7 @@ void BackboneProcess::start()
     request.parent = getpid();
     request.threads = config_.threads;
     request.max_pixels = config_.max_image_pixels;
-    request.lock_memory = config_.lock_memory;
+    request.lock_memory = lock_;
     copy_path(request.manifest, config_.manifest);
     copy_path(request.runtime, config_.runtime);
 

@@ -22,8 +22,8 @@ namespace vdna::selectord
 class BackboneProcess
 {
   public:
-    // Borrows from `config`. Throws Error.
-    explicit BackboneProcess(const Config &config);
+    // Borrows from `config`; `lock` the process's memory. Throws Error.
+    explicit BackboneProcess(const Config &config, bool lock = false);
     ~BackboneProcess();
     BackboneProcess(const BackboneProcess &) = delete;
     BackboneProcess &operator=(const BackboneProcess &) = delete;
@@ -79,6 +79,7 @@ class BackboneProcess
     vdna_status refuse(vdna_error &error) const;
 
     const Config &config_;
+    const bool lock_;
     const BackboneMailbox mailbox_;
     const int stop_; // an eventfd, which cancel() sets
     int go_ = -1, done_ = -1;

@@ -111,9 +111,10 @@ program::ExitCode run(int argc, char **argv)
     signal(SIGPIPE, SIG_IGN);
 
     // The network and the loop's memory: the large allocations end here.
+    const bool will_run = !invocation->print_memory && !invocation->check;
     std::optional<BackboneProcess> process;
     if (wants_backbone_process(config))
-        process.emplace(config);
+        process.emplace(config, config.lock_memory && will_run);
     const Backbone backbone = process ? process->open()
                                       : Backbone(config.manifest, config.threads, config.runtime,
                                                  config.max_image_pixels);
