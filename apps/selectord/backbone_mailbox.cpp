@@ -28,7 +28,8 @@ constexpr size_t letters_bytes = (sizeof(Letters) + block - 1) / block * block;
 [[noreturn]] void fail(const char *call)
 {
     throw Error(std::string("the memory to share with the network's process cannot be made: ") +
-                call + ": " + std::strerror(errno) + "; see to it, or set [backbone] process = false");
+                call + ": " + std::strerror(errno) +
+                "; see to it, or set [backbone] process = false");
 }
 
 } // namespace
@@ -57,8 +58,8 @@ BackboneMailbox::BackboneMailbox(size_t picture_bytes)
 {
     if (file_ < 0)
         fail("memfd_create");
-    const size_t size = letters_bytes + (picture_bytes + block - 1) / block * block +
-                        numbers_bytes_max;
+    const size_t size =
+        letters_bytes + (picture_bytes + block - 1) / block * block + numbers_bytes_max;
     if (ftruncate(file_, static_cast<off_t>(size)) != 0 ||
         fcntl(file_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
         close(file_);

@@ -15,9 +15,9 @@ constexpr int mailbox_fd = 3; // the mailbox
 constexpr int go_fd = 4;      // a byte for each request; its end is the daemon's
 constexpr int done_fd = 5;    // a byte for each reply
 
-constexpr size_t taps_max = VDNA_TAPS_SIZE / 6 + 1;      // "a:1:1,"
-constexpr size_t numbers_bytes_max = size_t{64} << 20;   // of a frame
-constexpr size_t path_size = 4096;                       // PATH_MAX
+constexpr size_t taps_max = VDNA_TAPS_SIZE / 6 + 1;    // "a:1:1,"
+constexpr size_t numbers_bytes_max = size_t{64} << 20; // of a frame
+constexpr size_t path_size = 4096;                     // PATH_MAX
 
 // Written by the daemon. Number 0 opens the network, every other one runs a picture.
 struct BackboneRequest {

@@ -32,7 +32,8 @@ constexpr int64_t first_opening_us = 120 * 1000000, shortest_opening_us = 5 * 10
 constexpr int64_t openings_in_limit = 10;
 
 constexpr int64_t shortest_pause_us = 10000, longest_pause_us = 5000000;
-constexpr int64_t reaping_us = 100000; // what a killed process may take; if longer, it goes on later
+constexpr int64_t reaping_us =
+    100000; // what a killed process may take; if longer, it goes on later
 
 // A budget that nobody set: networks have been seen to take 8 times as long beside a load.
 constexpr int64_t shortest_budget_us = 500000;
@@ -121,8 +122,8 @@ void close_end(int &end)
     _exit(program::exit_failed);
 }
 
-// Start this program as the process of a network. Gives 0 or what is wrong. posix_spawn() would wait
-// for its exec, which a signal to stop may keep from coming.
+// Start this program as the process of a network. Gives 0 or what is wrong. posix_spawn() would
+// wait for its exec, which a signal to stop may keep from coming.
 int spawn_child(int mailbox, int go, int done, pid_t &out_pid)
 {
     out_pid = fork();
@@ -413,7 +414,8 @@ vdna_status BackboneProcess::take_first_description(vdna_error &error)
         return status;
     const uint64_t numbers = numbers_of(reply_.info);
     if (numbers > numbers_bytes_max / sizeof(float))
-        return fail(error, VDNA_ERR_FORMAT, "%s: describes itself wrongly", config_.manifest.c_str());
+        return fail(error, VDNA_ERR_FORMAT, "%s: describes itself wrongly",
+                    config_.manifest.c_str());
     info_ = reply_.info;
     numbers_.resize(numbers);
     const float *at = numbers_.data();
@@ -455,11 +457,13 @@ void BackboneProcess::take_numbers(vdna_backbone_frame &out_frame)
     out_frame = reply_.frame; // its pointers mean nothing here, so each one is replaced
     out_frame.taps = taps_.data();
     out_frame.tap_count = taps_.size();
-    out_frame.embedding = numbers_.data() + numbers_.size() - info_.last_layer_dim - info_.identity.dim;
+    out_frame.embedding =
+        numbers_.data() + numbers_.size() - info_.last_layer_dim - info_.identity.dim;
     out_frame.dim = info_.identity.dim;
     out_frame.input = nullptr;
-    out_frame.last_layer =
-        info_.last_layer_dim > 0 ? numbers_.data() + numbers_.size() - info_.last_layer_dim : nullptr;
+    out_frame.last_layer = info_.last_layer_dim > 0
+                               ? numbers_.data() + numbers_.size() - info_.last_layer_dim
+                               : nullptr;
     out_frame.last_layer_dim = info_.last_layer_dim;
 }
 
@@ -486,7 +490,8 @@ vdna_status BackboneProcess::refuse(vdna_error &error) const
                     milliseconds(budget_us_).c_str());
     if (state_ == State::refused)
         return fail(error, VDNA_ERR_RUNTIME,
-                    "the network is gone for good: %s; start vdna_selectord again", reason_.c_str());
+                    "the network is gone for good: %s; start vdna_selectord again",
+                    reason_.c_str());
     return fail(error, VDNA_ERR_RUNTIME, "the network is being started again after %s",
                 reason_.c_str());
 }

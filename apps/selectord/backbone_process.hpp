@@ -88,12 +88,12 @@ class BackboneProcess
     State state_ = State::away;
     bool is_other_ = false; // it came back as another network
     std::string reason_;    // "it ...": why it is not there
-    int64_t opening_us_; // that opening may take
+    int64_t opening_us_;    // that opening may take
     int64_t budget_us_;
     int64_t deadline_us_ = 0;
     int64_t restart_us_ = 0;
-    int64_t pause_us_; // before the next start
-    uint64_t number_ = 0; // of the newest request
+    int64_t pause_us_;      // before the next start
+    uint64_t number_ = 0;   // of the newest request
     BackboneReply reply_{}; // copied before it is checked: the process could change it
     vdna_backbone_info info_{};
     std::vector<float> numbers_;

@@ -18,8 +18,9 @@ struct Config {
     std::string manifest = VDNA_BACKBONE_DEFAULT; // bare name, or path of a .toml or a .so
     uint32_t threads = VDNA_BACKBONE_THREADS_DEFAULT;
     std::string runtime; // path of libonnxruntime.so; "" = found automatically
-    bool backbone_process = true; // the network in a process of its own; not for a replay
-    // Milliseconds that it may take for a picture; 0 = ten times what it takes at the start, at
+    // Run the network in a process of its own, except for a replay.
+    bool backbone_process = true;
+    // Milliseconds that it may then take for a picture; 0 = ten times what it takes at the start, at
     // least 500.
     uint32_t budget_ms = 0;
     uint32_t warmup_frames = VDNA_WARMUP_FRAMES_DEFAULT; // 0 = by time

@@ -1,10 +1,10 @@
 #include "selectord/confinement.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstddef>
 #include <cstdio>
-#include <algorithm>
 #include <initializer_list>
 #include <vector>
 
@@ -39,8 +39,18 @@ constexpr uint32_t architecture = 0; // forbid_system_calls() says ENOSYS
 // Calls that touch nothing beyond this process. Old names are not there on every processor.
 const int allowed[] = {
     // a picture: wait for it, compute, reply
-    SYS_futex, SYS_read, SYS_write, SYS_sched_yield, SYS_munmap, SYS_madvise, SYS_mprotect,
-    SYS_mremap, SYS_brk, SYS_readv, SYS_writev, SYS_close,
+    SYS_futex,
+    SYS_read,
+    SYS_write,
+    SYS_sched_yield,
+    SYS_munmap,
+    SYS_madvise,
+    SYS_mprotect,
+    SYS_mremap,
+    SYS_brk,
+    SYS_readv,
+    SYS_writev,
+    SYS_close,
 #ifdef SYS_mmap
     SYS_mmap,
 #endif
@@ -51,36 +61,64 @@ const int allowed[] = {
     SYS_futex_time64,
 #endif
     // time
-    SYS_clock_gettime, SYS_clock_getres, SYS_clock_nanosleep, SYS_nanosleep, SYS_gettimeofday,
+    SYS_clock_gettime,
+    SYS_clock_getres,
+    SYS_clock_nanosleep,
+    SYS_nanosleep,
+    SYS_gettimeofday,
     SYS_restart_syscall,
 #ifdef SYS_clock_gettime64
-    SYS_clock_gettime64, SYS_clock_nanosleep_time64,
+    SYS_clock_gettime64,
+    SYS_clock_nanosleep_time64,
 #endif
 #ifdef SYS_time
     SYS_time,
 #endif
     // threads and signals of our own
-    SYS_exit, SYS_exit_group, SYS_set_robust_list, SYS_rt_sigreturn, SYS_rt_sigprocmask,
-    SYS_rt_sigaction, SYS_sigaltstack, SYS_getpid, SYS_gettid, SYS_getcpu, SYS_sched_getaffinity,
+    SYS_exit,
+    SYS_exit_group,
+    SYS_set_robust_list,
+    SYS_rt_sigreturn,
+    SYS_rt_sigprocmask,
+    SYS_rt_sigaction,
+    SYS_sigaltstack,
+    SYS_getpid,
+    SYS_gettid,
+    SYS_getcpu,
+    SYS_sched_getaffinity,
     SYS_membarrier,
 #ifdef SYS_rseq
     SYS_rseq,
 #endif
     // what the machine is
-    SYS_uname, SYS_sysinfo, SYS_getrusage, SYS_getrandom,
+    SYS_uname,
+    SYS_sysinfo,
+    SYS_getrusage,
+    SYS_getrandom,
     // files, for reading
-    SYS_lseek, SYS_pread64, SYS_fstat, SYS_readlinkat, SYS_faccessat, SYS_getdents64, SYS_getcwd,
+    SYS_lseek,
+    SYS_pread64,
+    SYS_fstat,
+    SYS_readlinkat,
+    SYS_faccessat,
+    SYS_getdents64,
+    SYS_getcwd,
 #ifdef SYS_newfstatat
     SYS_newfstatat,
 #endif
 #ifdef SYS_fstat64
-    SYS_fstat64, SYS_fstatat64, SYS__llseek,
+    SYS_fstat64,
+    SYS_fstatat64,
+    SYS__llseek,
 #endif
 #ifdef SYS_statx
     SYS_statx,
 #endif
 #ifdef SYS_stat
-    SYS_stat, SYS_lstat, SYS_access, SYS_readlink,
+    SYS_stat,
+    SYS_lstat,
+    SYS_access,
+    SYS_readlink,
 #endif
     // waiting
     SYS_ppoll,
@@ -130,8 +168,8 @@ class Filter
     bool install_for_all_threads()
     {
         const sock_fprog program{static_cast<unsigned short>(program_.size()), program_.data()};
-        const long given = syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER,
-                                   SECCOMP_FILTER_FLAG_TSYNC, &program);
+        const long given =
+            syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &program);
         if (given > 0) // the number of a thread that cannot follow
             errno = EBUSY;
         return given == 0;

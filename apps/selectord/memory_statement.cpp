@@ -77,7 +77,8 @@ std::vector<std::pair<std::string, uint64_t>> held_by_name(const std::vector<Mem
 MemoryStatement::MemoryStatement(const Config &config, const StartUp &start_up, const Map &map,
                                  const Backbone &backbone, const Daemon &daemon,
                                  const vdna_transport_memory &transport)
-    : config_(config), loading_(static_cast<uint64_t>(start_up.backbone.most + start_up.process.most))
+    : config_(config),
+      loading_(static_cast<uint64_t>(start_up.backbone.most + start_up.process.most))
 {
     const std::string experiences = std::to_string(map.experiences().size());
     const std::string pixels = std::to_string(config.max_image_pixels);
@@ -92,8 +93,8 @@ MemoryStatement::MemoryStatement(const Config &config, const StartUp &start_up, 
          !pinned},
         {"map", "embeddings decoded from 8-bit codes", decoded_bytes_of(map), false, false},
         {"backbone", backbone_name + ": runtime, network and arena",
-         growth(start_up.map, start_up.backbone) + static_cast<uint64_t>(start_up.process.now), true,
-         false},
+         growth(start_up.map, start_up.backbone) + static_cast<uint64_t>(start_up.process.now),
+         true, false},
         {"backbone", "picture and numbers on their way between two processes", start_up.mailbox,
          false, false},
         {"localise", "frames of the map as directions, place filters", daemon.localisers_size(),

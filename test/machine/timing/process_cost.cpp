@@ -1,5 +1,5 @@
-// process_cost MANIFEST PICTURE FRAMES: run a picture through the network in this process and in one
-// of its own, in turn, FRAMES times each, and print the medians in microseconds.
+// process_cost MANIFEST PICTURE FRAMES: run a picture through the network in this process and in
+// one of its own, in turn, FRAMES times each, and print the medians in microseconds.
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
@@ -36,7 +36,8 @@ int64_t time_of(const Backbone &backbone, const vdna_image &image)
 
 int64_t median(std::vector<int64_t> times)
 {
-    std::nth_element(times.begin(), times.begin() + static_cast<long>(times.size() / 2), times.end());
+    std::nth_element(times.begin(), times.begin() + static_cast<long>(times.size() / 2),
+                     times.end());
     return times[times.size() / 2];
 }
 

@@ -1,5 +1,6 @@
-/* The stub's network, which does what its picture says: "crash", "hang", ... Any other picture is run
- * as the stub does. $VDNA_UNRULY_OPEN says what opening does: "crash", "other" (another network). */
+/* The stub's network, which does what its picture says: "crash", "hang", ... Any other picture is
+ * run as the stub does. $VDNA_UNRULY_OPEN says what opening does: "crash", "other" (another
+ * network). */
 #define vdna_backbone_plugin stub_operations
 #include "stub_backbone.c"
 #undef vdna_backbone_plugin
@@ -115,12 +116,10 @@ static const struct deed {
     const char *name;
     long (*act)(void);
 } deeds[] = {
-    {"socket", open_a_socket},       {"write", open_to_write},
-    {"create", open_a_new_file},     {"truncate", empty_a_file},
-    {"unlink", remove_a_file},       {"exec", start_a_program},
-    {"fork", fork_itself},           {"kill", kill_its_parent},
-    {"ptrace", watch_its_parent},    {"outlive", outlive_its_parent},
-    {"io_uring", set_up_io_uring},   {"memory", take_all_memory},
+    {"socket", open_a_socket},       {"write", open_to_write},      {"create", open_a_new_file},
+    {"truncate", empty_a_file},      {"unlink", remove_a_file},     {"exec", start_a_program},
+    {"fork", fork_itself},           {"kill", kill_its_parent},     {"ptrace", watch_its_parent},
+    {"outlive", outlive_its_parent}, {"io_uring", set_up_io_uring}, {"memory", take_all_memory},
     {"read", read_a_file},           {"thread", start_a_thread},
 };
 

@@ -1,18 +1,17 @@
-// A network in a process of its own: this program is that process too, as the daemon is. The network
-// is test/support/stub/unruly_backbone.c, which does what its picture says.
+// A network in a process of its own: this program is that process too, as the daemon is. The
+// network is test/support/stub/unruly_backbone.c, which does what its picture says.
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <dirent.h>
 #include <memory>
 #include <random>
 #include <thread>
 
+#include <cmocka.hpp>
+#include <dirent.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.hpp>
 
 #include "program/clock.hpp"
 #include "selectord/backbone_child.hpp"
@@ -38,7 +37,11 @@ Config config_with_budget()
 
 vdna_image picture_of(const char *command)
 {
-    return {reinterpret_cast<const uint8_t *>(command), std::strlen(command) + 1, 1, 1, 0,
+    return {reinterpret_cast<const uint8_t *>(command),
+            std::strlen(command) + 1,
+            1,
+            1,
+            0,
             VDNA_PIXEL_GREY};
 }
 
@@ -125,7 +128,8 @@ static void a_process_that_hangs_is_ended_at_twice_its_budget(void **)
     const pid_t hanging = network.process.pid();
     const int64_t begin_us = program::monotonic_us();
     assert_int_equal(network.run("hang"), VDNA_ERR_RUNTIME);
-    assert_true(network.took_us >= budget_ms * 1000 && network.took_us < budget_ms * 1000 + slack_us);
+    assert_true(network.took_us >= budget_ms * 1000 &&
+                network.took_us < budget_ms * 1000 + slack_us);
     network.assert_said("takes longer than 150 ms");
     while (network.process.pid() == hanging) {
         assert_int_equal(network.run(""), VDNA_ERR_RUNTIME);
@@ -177,8 +181,8 @@ static void wrong_answers_are_refused_and_the_process_goes_on(void **)
 static void it_can_compute_and_read_and_nothing_else(void **)
 {
     Network network;
-    for (const char *const deed : {"socket", "write", "create", "truncate", "unlink", "exec", "fork",
-                                   "kill", "ptrace", "outlive", "io_uring"}) {
+    for (const char *const deed : {"socket", "write", "create", "truncate", "unlink", "exec",
+                                   "fork", "kill", "ptrace", "outlive", "io_uring"}) {
         assert_int_equal(network.run(deed), VDNA_ERR_RUNTIME);
         network.assert_said((std::string(deed) + ": Operation not permitted").c_str());
     }
@@ -257,7 +261,8 @@ static void a_network_that_cannot_be_opened_is_an_error(void **)
     assert_non_null(std::strstr(refusal().c_str(), "signal 11"));
     unsetenv("VDNA_UNRULY_OPEN");
     config.manifest = "/nowhere/mine.so";
-    assert_non_null(std::strstr(refusal().c_str(), "/nowhere/mine.so: the plug-in cannot be loaded"));
+    assert_non_null(
+        std::strstr(refusal().c_str(), "/nowhere/mine.so: the plug-in cannot be loaded"));
 }
 
 static void a_picture_in_progress_can_be_cancelled(void **)
