@@ -121,10 +121,22 @@ stop_daemon
 say "5. Was it right? Every candidate, against the true positions"
 vdna localise $demo/live $demo/map --skip $warmup --tolerance 2.5 --matrix $demo/matrices.png
 
+say "6. Where is it? On the winter map, as the paper does: each frame by itself, by the network's last layer"
+vdna build $demo/paper $demo/winter --backbone efficientnet_lite0_paper
+vdna localise $demo/live $demo/paper --skip $warmup --tolerance 2.5 --localiser nearest \
+    --matrix $demo/winter_paper.png
+
+say "7. The same drive on the same map, by the place filter"
+vdna localise $demo/live $demo/map --in winter --skip $warmup --tolerance 2.5 \
+    --matrix $demo/winter_filter.png
+
 say "Done"
 cat <<END
-The ranking came from appearance alone. It is right if it matches the order of Recall@1 in step 5.
+The ranking came from appearance alone. It is right if its first choice has the best Recall@1 in step 5,
+or where that is equal, the fewest unsure answers. The dots of step 6 are all over the matrix, those of
+step 7 are a line.
 Pictures: $demo/{summer,winter,night,live}   map: $demo/map   difference matrices: $demo/matrices.png
+and $demo/winter_{paper,filter}.png
 
 To use your own pictures or videos, one folder or file per traversal:
     build/bin/vdna build MAP TRAVERSAL...

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,11 +18,15 @@ namespace vdna::record
 struct Match {
     const vdna_experience *experience; // borrowed
     uint32_t frame;                    // of the experience
-    double distance;                   // of the embeddings, Euclidean
-    bool good;                         // taken within tolerance of the live frame
-    bool reachable; // some frame of the experience was taken within tolerance of the live frame
-    uint32_t first_good; // rank, from 1, of the nearest good frame; 0 = none among the neighbours
-    bool judged;         // the live frame has ground truth; otherwise the three above say nothing
+    double distance;                   // of the embeddings, as of the search that found it
+    bool good = false;                 // taken within tolerance of the live frame
+    bool reachable = false;  // some frame of the experience was taken within tolerance of the live
+                             // frame
+    uint32_t first_good = 0; // rank, from 1, of the nearest good frame; 0 = none among the
+                             // neighbours
+    bool judged = false; // the live frame has ground truth; otherwise the three above say nothing
+    std::optional<double> confidence = {}; // 0..1, of the place filter; none without it
+    bool moving = true; // false: the robot stands, and the place filter repeats its answer
 };
 
 // All live frames in one experience, or in all of them at once. Without a common kind of label
@@ -39,20 +44,38 @@ struct Localisation {
     // NaN if none is judged. depth: at most `neighbours` of localise_in(). Unreachable frames count
     // as failures.
     double recall_percent(uint32_t depth = 1) const;
+    // Share of all live frames whose confidence is below `least`, or that have none.
+    double unsure_percent(double least) const;
 };
 
 // Euclidean distance of two embeddings, [dim] each.
 double embedding_distance(const float *a, const float *b, size_t dim);
 
-// Nearest frame for each live frame; ties take the lowest index.
+// Nearest frame for each live frame by Euclidean distance; ties take the lowest index.
 // tolerance: inclusive, in the common unit.
 // neighbours: number of nearest frames searched for a good one, >= 1.
 // with_altitude: as for Truth, which throws Error.
 Localisation localise_in(const vdna_experience &experience, const Recording &live, double tolerance,
                          uint32_t neighbours = 1, bool with_altitude = false);
 
-// Equivalent to localising in the concatenation of the experiences, with one neighbour; ties take
-// the first experience.
+// A live drive in one experience as a robot follows it (vdna/localise.h).
+struct Followed {
+    Localisation filter;  // by the place filter
+    Localisation nearest; // each frame by itself: the nearest about the means, or by Euclidean
+                          // distance if the embeddings are not made for means
+    std::vector<float> distances; // [live frames][map frames], those of `nearest`; empty if not
+                                  // wanted
+};
+
+// warmup: the frames before the live ones, for the live mean alone.
+// tolerance, with_altitude: as for localise_in(). Throws Error.
+Followed follow_in(const vdna_experience &experience, const Recording &warmup,
+                   const Recording &live, double tolerance, bool with_altitude = false,
+                   bool with_distances = false);
+
+// For each live frame the match of greatest confidence, or without confidences of least distance:
+// with one neighbour, as localising in the concatenation of the experiences. Ties take the first
+// experience.
 Localisation composite_of(const std::vector<Localisation> &parts);
 
 } // namespace vdna::record

@@ -32,6 +32,11 @@ struct Recording {
         return last_layer.empty() ? embeddings : last_layer;
     }
 
+    const float *embedding(size_t frame) const
+    {
+        return embeddings.data() + embeddings.size() / frames * frame;
+    }
+
     // Append the current frame of `pass`.
     void add(const Pass &pass);
     // Throw Error if no frame of the source could be used.

@@ -171,6 +171,16 @@ Backbone BackboneProcess::open()
     return Backbone(operations, reinterpret_cast<const char *>(this));
 }
 
+Resident BackboneProcess::resident()
+{
+    Resident resident;
+    if (pid_ > 0)
+        resident = ResidentMemory(pid_).read();
+    resident_most_ = std::max(resident_most_, resident.most);
+    resident.most = resident_most_;
+    return resident;
+}
+
 uint64_t BackboneProcess::shared_bytes() const
 {
     const size_t letters = sizeof(BackboneRequest) + sizeof(BackboneReply);

@@ -12,6 +12,7 @@
 
 #include "selectord/backbone_mailbox.hpp"
 #include "selectord/config.hpp"
+#include "selectord/resident_memory.hpp"
 
 namespace vdna::selectord
 {
@@ -34,6 +35,8 @@ class BackboneProcess
 
     // Process id; 0 = there is none at the moment.
     pid_t pid() const { return pid_; }
+    // Of the process, and the most of any so far. Allocates nothing.
+    Resident resident();
     // Time that a picture may take: after it the picture is refused, after twice as much the
     // process is ended. [backbone] budget_ms, or found by open().
     int64_t budget_us() const { return budget_us_; }
@@ -85,6 +88,7 @@ class BackboneProcess
     int go_ = -1, done_ = -1;
     pid_t pid_ = 0;
     int exit_status_ = 0; // of waitpid()
+    int64_t resident_most_ = 0;
     State state_ = State::away;
     bool is_other_ = false; // it came back as another network
     std::string reason_;    // "it ...": why it is not there

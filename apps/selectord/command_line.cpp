@@ -16,8 +16,7 @@ namespace
 
 // The given options; they override the file, regardless of their order.
 struct Options {
-    std::string file;
-    std::optional<std::string> map, backbone, url;
+    std::optional<std::string> file, map, backbone, url;
     std::optional<uint32_t> warmup_frames;
     std::optional<double> warmup_seconds;
 };
@@ -114,8 +113,8 @@ std::optional<Invocation> read_command_line(int argc, const char *const *argv)
     } catch (const CLI::ParseError &error) {
         throw program::UsageError(std::string(error.what()) + "; see `vdna_selectord --help`");
     }
-    if (!options.file.empty())
-        invocation.config = read_config(options.file);
+    if (options.file)
+        invocation.config = read_config(*options.file);
     apply(options, invocation.config);
     return invocation;
 }

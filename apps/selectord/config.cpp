@@ -4,10 +4,12 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <type_traits>
 #include <variant>
+#include <vector>
 
 #include <toml++/toml.h>
 
@@ -216,6 +218,11 @@ void settle_warmup(const std::string &path, const toml::table &root, Config &con
 std::string read_text(const std::string &path)
 {
     constexpr size_t size_max = 64 * 1024;
+    std::error_code error;
+    if (const auto kind = std::filesystem::status(path, error).type();
+        kind != std::filesystem::file_type::not_found &&
+        kind != std::filesystem::file_type::regular) // a pipe may never end, nor begin
+        throw program::UsageError(path + ": is no regular file, expected one of TOML");
     std::string text(size_max + 1, '\0');
     std::ifstream file(path, std::ios::binary);
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -240,6 +247,24 @@ toml::table parse(const std::string &path)
     }
 }
 
+// One channel for two things would send our own messages to us, or mix them.
+void require_different_channels(const std::string &path, const Config &config)
+{
+    std::vector<Setting> channels;
+    for (const Setting &setting : settings)
+        if (setting.most == channel_max && std::string(setting.section) == "lcm")
+            channels.push_back(setting);
+    const auto name_of = [&](const Setting &setting) {
+        return config.*std::get<std::string Config::*>(setting.member);
+    };
+    for (size_t b = 1; b < channels.size(); b++)
+        for (size_t a = 0; a < b; a++)
+            if (name_of(channels[a]) == name_of(channels[b]))
+                throw program::UsageError(path + ": [lcm] " + channels[a].key + " and " +
+                                          channels[b].key + " are both \"" + name_of(channels[a]) +
+                                          "\", expected a channel for each; rename one");
+}
+
 } // namespace
 
 Config read_config(const std::string &path)
@@ -258,6 +283,7 @@ Config read_config(const std::string &path)
         read_section(path, section, *node.as_table(), config);
     }
     settle_warmup(path, root, config);
+    require_different_channels(path, config);
     return config;
 }
 

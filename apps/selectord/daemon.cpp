@@ -50,8 +50,9 @@ Localising localising_of(const std::vector<std::unique_ptr<ExperienceLocaliser>>
 
 } // namespace
 
-Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
-    : config_(config), map_(map), backbone_(backbone),
+Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone,
+               BackboneProcess *process)
+    : config_(config), map_(map), backbone_(backbone), process_(process),
       is_replay_(vdna_transport_is_log(config.url.c_str()) != 0),
       localisers_(localisers_in(map, config)),
       selector_(map.candidates(), map.experiences().front().identity.dim, warmup_of(config),
@@ -185,7 +186,7 @@ void Daemon::end_log(vdna_transport *transport) const
 void Daemon::reset()
 {
     vdna_select_reset(selector_.get());
-    std::fprintf(stderr, "vdna_selectord: reset by command, warming up again\n");
+    resets_.note(program::monotonic_us(), "reset by command, warming up again");
 }
 
 void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame,
@@ -270,11 +271,18 @@ void Daemon::announce_choice(vdna_transport *transport)
 {
     const vdna_msg_ranking_t &ranking = ranking_.fill(*selector_.get());
     publish(transport, config_.ranking_channel, vdna_message_ranking, &ranking);
-    std::fprintf(stderr,
-                 "vdna_selectord: selected %s of %d after %d frames: distance %.3f bins, margin "
-                 "%.3f bins\n",
-                 ranking.experience[0], ranking.count, ranking.window_frames,
-                 ranking.distance_bins[0], ranking.margin_bins);
+    choices_.note(program::monotonic_us(),
+                  "selected %s of %d after %d frames: distance %.3f bins, margin %.3f bins",
+                  ranking.experience[0], ranking.count, ranking.window_frames,
+                  ranking.distance_bins[0], ranking.margin_bins);
+}
+
+Resident Daemon::resident() const
+{
+    Resident resident = memory_.read();
+    if (process_)
+        resident += process_->resident();
+    return resident;
 }
 
 void Daemon::publish_status(vdna_transport *transport)
@@ -286,7 +294,7 @@ void Daemon::publish_status(vdna_transport *transport)
                         stages_,
                         refused_,
                         window_frames_max_,
-                        memory_.read(),
+                        resident(),
                         verdict_.text[0] ? verdict_.text.data() : problems_.last()};
     const vdna_msg_status_t message = status_of(health, program::wall_us());
     publish(transport, config_.status_channel, vdna_message_status, &message);

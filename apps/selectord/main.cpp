@@ -19,6 +19,7 @@
 #include "selectord/command_line.hpp"
 #include "selectord/daemon.hpp"
 #include "selectord/memory_statement.hpp"
+#include "selectord/output.hpp"
 #include "selectord/processor.hpp"
 #include "selectord/resident_memory.hpp"
 #include "selectord/stop.hpp"
@@ -94,21 +95,20 @@ program::ExitCode run(int argc, char **argv)
         return program::exit_ok;
     }
 
-    // Processors and priority, which later threads inherit.
+    // Processors and priority, which later threads inherit. From here on a signal ends the process
+    // within a moment. The loss of who reads our output must not, nor a limit on the size of files.
     take_processors(config);
     return_large_blocks();
+    StopOnSignal stop;
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
 
-    // The map. A signal still ends the process by itself.
+    // The map.
     StartUp start_up;
     const ResidentMemory resident;
     start_up.program = resident.read();
     const Map map(config.map_directory);
     start_up.map = resident.read();
-
-    // One-way door: from here on a signal waits for StopOnSignal, because the backbone's threads
-    // must not take it. Also ignore SIGPIPE: losing stdout must not stop us.
-    block_stop_signals();
-    signal(SIGPIPE, SIG_IGN);
 
     // The network and the loop's memory: the large allocations end here.
     const bool will_run = !invocation->print_memory && !invocation->check;
@@ -121,10 +121,10 @@ program::ExitCode run(int argc, char **argv)
     map.require_backbone(backbone.info());
     start_up.backbone = resident.read();
     if (process) {
-        start_up.process = ResidentMemory(process->pid()).read();
+        start_up.process = process->resident();
         start_up.mailbox = process->shared_bytes();
     }
-    Daemon daemon(config, map, backbone);
+    Daemon daemon(config, map, backbone, process ? &*process : nullptr);
     const vdna_transport_config transport = transport_config(config, daemon);
     const MemoryStatement memory(config, start_up, map, backbone, daemon, memory_of(transport));
     if (invocation->print_memory) {
@@ -137,10 +137,11 @@ program::ExitCode run(int argc, char **argv)
         return program::exit_ok;
     }
 
-    // One-way door: from here on we are visible to others.
+    // One-way door: from here on we are visible to others, and wait for nobody.
+    never_wait_for_readers();
     if (!invocation->answers.empty())
         daemon.keep_answers(invocation->answers);
-    const StopOnSignal stop(backbone.get());
+    const StopOnSignal::Cancels cancels(stop, backbone.get());
     const Connection connection = connect(transport);
     if (config.lock_memory)
         lock_memory();

@@ -26,13 +26,13 @@ int64_t bytes_of(const char *text, const char *key)
 
 } // namespace
 
-ResidentMemory::ResidentMemory() : ResidentMemory(std::string("self")) {}
+ResidentMemory::ResidentMemory() : ResidentMemory(getpid()) {}
 
-ResidentMemory::ResidentMemory(pid_t process) : ResidentMemory(std::to_string(process)) {}
-
-ResidentMemory::ResidentMemory(const std::string &process)
-    : file_(open(("/proc/" + process + "/status").c_str(), O_RDONLY | O_CLOEXEC))
+ResidentMemory::ResidentMemory(pid_t process)
 {
+    char path[32];
+    std::snprintf(path, sizeof path, "/proc/%d/status", static_cast<int>(process));
+    file_ = open(path, O_RDONLY | O_CLOEXEC);
 }
 
 ResidentMemory::~ResidentMemory()

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include <sys/types.h>
 
@@ -14,6 +13,14 @@ struct Resident {
     int64_t now = 0;
     int64_t anonymous = 0; // of that, not backed by a file
     int64_t most = 0;      // since the process began
+
+    Resident &operator+=(const Resident &other)
+    {
+        now += other.now;
+        anonymous += other.anonymous;
+        most += other.most;
+        return *this;
+    }
 };
 
 // Keeps /proc/PID/status open; reading it again allocates nothing.
@@ -29,8 +36,6 @@ class ResidentMemory
     Resident read() const;
 
   private:
-    explicit ResidentMemory(const std::string &process);
-
     int file_;
 };
 

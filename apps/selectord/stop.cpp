@@ -27,15 +27,11 @@ sigset_t stop_signals()
 
 } // namespace
 
-void block_stop_signals()
+StopOnSignal::StopOnSignal()
 {
     const sigset_t set = stop_signals();
     pthread_sigmask(SIG_BLOCK, &set, nullptr);
-}
-
-StopOnSignal::StopOnSignal(vdna_backbone *backbone)
-    : backbone_(backbone), thread_(&StopOnSignal::wait, this)
-{
+    thread_ = std::thread(&StopOnSignal::wait, this);
 }
 
 StopOnSignal::~StopOnSignal()
@@ -46,16 +42,25 @@ StopOnSignal::~StopOnSignal()
     thread_.join();
 }
 
+void StopOnSignal::set(vdna_backbone *backbone)
+{
+    const std::lock_guard<std::mutex> guard(mutex_);
+    backbone_ = backbone;
+}
+
 void StopOnSignal::wait()
 {
     const sigset_t set = stop_signals();
     int number;
     sigwait(&set, &number);
     requested_ = true;
-    vdna_backbone_cancel(backbone_);
+    {
+        const std::lock_guard<std::mutex> guard(mutex_);
+        vdna_backbone_cancel(backbone_); // nothing, while there is none
+    }
 
-    // Decoding a huge picture cannot be cancelled. The daemon writes no files, so exiting in the
-    // middle leaves nothing half done.
+    // The daemon writes no files but answers, line by line: exiting in the middle leaves nothing
+    // half done.
     constexpr std::chrono::milliseconds patience(100);
     if (finished_.get_future().wait_for(patience) == std::future_status::timeout)
         _exit(program::exit_ok);

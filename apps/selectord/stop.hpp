@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <future>
+#include <mutex>
 #include <thread>
 
 #include <vdna/backbone.h>
@@ -10,26 +11,39 @@
 namespace vdna::selectord
 {
 
-// From now on SIGTERM and SIGINT wait for a StopOnSignal. Call before the first thread starts:
-// threads inherit the mask, and a signal goes to any thread that does not block it.
-void block_stop_signals();
-
-// On a signal, cancels the running inference, and ends the process if that is not enough.
+// On a signal, cancels the running inference, and ends the process if that is not enough: while it
+// starts, or decodes a huge picture, which cannot be cancelled.
 class StopOnSignal
 {
   public:
-    // `backbone` must outlive this object.
-    explicit StopOnSignal(vdna_backbone *backbone);
+    // From now on SIGTERM and SIGINT come here. Construct it before the first thread starts:
+    // threads inherit the mask, and a signal goes to any thread that does not block it.
+    StopOnSignal();
     ~StopOnSignal();
     StopOnSignal(const StopOnSignal &) = delete;
     StopOnSignal &operator=(const StopOnSignal &) = delete;
 
     const std::atomic<bool> &requested() const { return requested_; }
 
+    // A signal cancels this network as long as the object lives.
+    class Cancels
+    {
+      public:
+        Cancels(StopOnSignal &stop, vdna_backbone *backbone) : stop_(stop) { stop.set(backbone); }
+        ~Cancels() { stop_.set(nullptr); }
+        Cancels(const Cancels &) = delete;
+        Cancels &operator=(const Cancels &) = delete;
+
+      private:
+        StopOnSignal &stop_;
+    };
+
   private:
+    void set(vdna_backbone *backbone);
     void wait();
 
-    vdna_backbone *backbone_;
+    std::mutex mutex_;
+    vdna_backbone *backbone_ = nullptr; // guarded by the mutex
     std::atomic<bool> requested_{false};
     std::promise<void> finished_;
     std::thread thread_; // last, because it uses the members above

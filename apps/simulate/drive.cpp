@@ -26,12 +26,32 @@ Drive::Drive(const Route &route, const DriveConfig &config) : route_(route), con
     phase_ = chance.between(0, 2 * static_cast<float>(CV_PI));
 }
 
+double Drive::driven(size_t frame) const
+{
+    return config_.start_m + static_cast<double>(frame) * config_.step_m * speed_;
+}
+
+double Drive::swing(double along) const
+{
+    return 2 * CV_PI * along / sway_length + phase_;
+}
+
+double Drive::across(double along) const
+{
+    return bias_m_ + sway_m_ * std::sin(swing(along));
+}
+
+cv::Point2d Drive::position(size_t frame) const
+{
+    return route_.position(driven(frame), across(driven(frame)));
+}
+
 Shot Drive::shot(size_t frame) const
 {
-    const double along = config_.start_m + static_cast<double>(frame) * config_.step_m * speed_;
-    const double swing = 2 * CV_PI * along / sway_length + phase_;
-    const cv::Point2d at = route_.at(along, bias_m_ + sway_m_ * std::sin(swing));
-    const double slope = route_.slope(along) + sway_m_ * 2 * CV_PI / sway_length * std::cos(swing);
+    const double along = driven(frame), here = route_.first_lap(along);
+    const cv::Point2d at = route_.at(here, across(along));
+    const double slope =
+        route_.slope(here) + sway_m_ * 2 * CV_PI / sway_length * std::cos(swing(along));
     // The camera's exposure control overshoots slightly when the scene changes.
     const auto hunting = static_cast<float>(.04 * std::sin(along / 3 + phase_));
     return {{at.x, at.y, std::atan(slope)},

@@ -24,9 +24,14 @@ class Drive
     Drive(const Route &route, const DriveConfig &config);
 
     Shot shot(size_t frame) const;
-    int64_t utime(size_t frame) const; // microseconds since the drive began
+    cv::Point2d position(size_t frame) const; // that of Route::position()
+    int64_t utime(size_t frame) const;        // microseconds since the drive began
 
   private:
+    double driven(size_t frame) const; // along the route, all laps
+    double swing(double along) const;  // radians
+    double across(double along) const;
+
     Route route_;
     DriveConfig config_;
     double bias_m_, sway_m_; // offset from the route's line: constant and periodic part

@@ -78,12 +78,12 @@ void write_recording(const fs::path &directory, const Route &route, const Condit
     std::string labels = "file,utime,x,y\n";
     for (size_t frame = 0; frame < config.frames; frame++) {
         program::require_not_interrupted();
-        const Shot shot = drive.shot(frame);
         const std::string name = picture_name(frame);
-        write_picture(directory / name, renderer.render(shot), config.quality);
+        write_picture(directory / name, renderer.render(drive.shot(frame)), config.quality);
+        const cv::Point2d position = drive.position(frame);
         char numbers[96];
         std::snprintf(numbers, sizeof numbers, ",%lld,%.3f,%.3f\n",
-                      static_cast<long long>(drive.utime(frame)), shot.pose.x, shot.pose.y);
+                      static_cast<long long>(drive.utime(frame)), position.x, position.y);
         labels += name + numbers;
         bar.advance();
     }

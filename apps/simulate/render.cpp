@@ -140,7 +140,7 @@ void Renderer::paint_ground(cv::Mat3b &picture, const Camera &camera, const Ligh
                 camera.focal();
             const cv::Point2d at = camera.ground(right, ahead);
             const double across = at.y - line - slope * (at.x - middle.x);
-            Colour own = ground.colour(at.x, across, detail);
+            Colour own = ground.colour(route_.first_lap(at.x), across, detail);
             if (std::abs(across) < path_half_width)
                 own = mix(own * (1 - .4f * condition_.wet), mirrored,
                           condition_.wet * ahead / (ahead + 8));

@@ -12,10 +12,9 @@ namespace
 {
 
 // The route is divided into cells, and the number of a cell determines its content: nothing is
-// stored, and the route is endless.
-constexpr double kerb_cell = 4.5;    // close to the path: single small things
-constexpr double yard_cell = 14;     // behind them: houses, walls, hedges
-constexpr double backdrop_cell = 15; // far away: the skyline
+// stored, and the route is endless. A lap of a closed route has a whole number of each.
+constexpr double kerb_cell = 4.5; // close to the path: single small things
+constexpr double yard_cell = 14;  // behind them: houses, walls, hedges
 constexpr double district_length = 42;
 
 struct Choice {
@@ -113,9 +112,17 @@ Chance chance_of_cell(uint64_t seed, uint64_t row, int64_t cell, float side)
     return Chance(seed_of_part(seed, part));
 }
 
+cv::Point2d unit(double angle)
+{
+    return {std::cos(angle), std::sin(angle)};
+}
+
 } // namespace
 
-Route::Route(uint64_t seed) : seed_(seed)
+Route::Route(uint64_t seed, Shape shape)
+    : seed_(seed), shape_(shape), backdrop_cell_(shape == Shape::line ? 15 : 14),
+      bend_length_{shape == Shape::line ? 210. : eight_length,
+                   shape == Shape::line ? 83. : eight_length / 3}
 {
     Chance chance(seed);
     for (double &phase : phase_)
@@ -124,20 +131,55 @@ Route::Route(uint64_t seed) : seed_(seed)
 
 cv::Point2d Route::at(double along, double across) const
 {
-    const double line = 4 * std::sin(2 * CV_PI * along / 210 + phase_[0]) +
-                        1.2 * std::sin(2 * CV_PI * along / 83 + phase_[1]);
+    const double line = 4 * std::sin(2 * CV_PI * along / bend_length_[0] + phase_[0]) +
+                        1.2 * std::sin(2 * CV_PI * along / bend_length_[1] + phase_[1]);
     return {along, line + across};
 }
 
 double Route::slope(double along) const
 {
-    return 4 * (2 * CV_PI / 210) * std::cos(2 * CV_PI * along / 210 + phase_[0]) +
-           1.2 * (2 * CV_PI / 83) * std::cos(2 * CV_PI * along / 83 + phase_[1]);
+    const double turn[2] = {2 * CV_PI / bend_length_[0], 2 * CV_PI / bend_length_[1]};
+    return 4 * turn[0] * std::cos(turn[0] * along + phase_[0]) +
+           1.2 * turn[1] * std::cos(turn[1] * along + phase_[1]);
+}
+
+double Route::first_lap(double along) const
+{
+    return shape_ == Shape::line ? along : along - eight_length * std::floor(along / eight_length);
+}
+
+int64_t Route::first_lap_cell(int64_t cell, double cell_length) const
+{
+    return std::llround(first_lap(static_cast<double>(cell) * cell_length) / cell_length);
+}
+
+// Each half of the figure of eight is a straight of length r out of the crossing, three quarters of
+// a circle of radius r, and the straight back; the second half is the mirror image of the first.
+cv::Point2d Route::position(double along, double across) const
+{
+    if (shape_ == Shape::line)
+        return at(along, across);
+    constexpr double half = eight_length / 2, arc = 1.5 * CV_PI, r = half / (2 + arc);
+    const bool mirrored = first_lap(along) >= half;
+    const double left = mirrored ? -across : across, way = first_lap(along) - (mirrored ? half : 0);
+    cv::Point2d line;
+    double heading = -CV_PI / 4;
+    if (way < r) {
+        line = way * unit(heading);
+    } else if (way < r + arc * r) {
+        heading += (way - r) / r;
+        line = cv::Point2d(std::sqrt(2) * r, 0) + r * unit(heading - CV_PI / 2);
+    } else {
+        heading += arc;
+        line = (way - half) * unit(heading);
+    }
+    line += left * unit(heading + CV_PI / 2);
+    return {mirrored ? -line.x : line.x, line.y};
 }
 
 Surface Route::surface(double along) const
 {
-    return district_at(seed_, along).surface;
+    return district_at(seed_, first_lap(along)).surface;
 }
 
 float Route::skyline(double azimuth) const
@@ -148,12 +190,13 @@ float Route::skyline(double azimuth) const
 
 void Route::add_kerb(int64_t cell, std::vector<Landmark> &row) const
 {
+    const int64_t number = first_lap_cell(cell, kerb_cell);
     for (const float side : {-1.f, 1.f}) {
-        Chance chance = chance_of_cell(seed_, 0, cell, side);
+        Chance chance = chance_of_cell(seed_, 0, number, side);
         const double along = kerb_cell * (static_cast<double>(cell) + chance.between(.1f, .8f));
         // Lamps stand in a regular row, on alternating sides.
-        const bool lamp = cell % 4 == (side > 0 ? 0 : 2);
-        const int kind = pick(district_at(seed_, along).kerb, chance);
+        const bool lamp = number % 4 == (side > 0 ? 0 : 2);
+        const int kind = pick(district_at(seed_, first_lap(along)).kerb, chance);
         if (lamp)
             row.push_back(make(Kind::lamp, along, side * 2, chance));
         else if (kind >= 0)
@@ -165,9 +208,9 @@ void Route::add_kerb(int64_t cell, std::vector<Landmark> &row) const
 void Route::add_yard(int64_t cell, std::vector<Landmark> &row) const
 {
     for (const float side : {-1.f, 1.f}) {
-        Chance chance = chance_of_cell(seed_, 1, cell, side);
+        Chance chance = chance_of_cell(seed_, 1, first_lap_cell(cell, yard_cell), side);
         const double along = yard_cell * static_cast<double>(cell);
-        const int kind = pick(district_at(seed_, along).yard, chance);
+        const int kind = pick(district_at(seed_, first_lap(along)).yard, chance);
         if (kind < 0)
             continue;
         const bool grows =
@@ -184,8 +227,8 @@ void Route::add_backdrop(int64_t cell, std::vector<Landmark> &row) const
     static const std::vector<Choice> kinds = {
         {Kind::tree, .38f}, {Kind::conifer, .22f}, {Kind::house, .16f}, {Kind::tower, .12f}};
     for (const float side : {-1.f, 1.f}) {
-        Chance chance = chance_of_cell(seed_, 2, cell, side);
-        const double along = backdrop_cell * static_cast<double>(cell);
+        Chance chance = chance_of_cell(seed_, 2, first_lap_cell(cell, backdrop_cell_), side);
+        const double along = backdrop_cell_ * static_cast<double>(cell);
         const int kind = pick(kinds, chance);
         if (kind < 0)
             continue;
@@ -206,7 +249,7 @@ std::vector<Landmark> Route::landmarks(double from, double to) const
         std::sort(all.begin() + static_cast<std::ptrdiff_t>(begin), all.end(),
                   [](const Landmark &a, const Landmark &b) { return a.along > b.along; });
     };
-    add_row(backdrop_cell, [&](int64_t cell) { add_backdrop(cell, all); });
+    add_row(backdrop_cell_, [&](int64_t cell) { add_backdrop(cell, all); });
     add_row(yard_cell, [&](int64_t cell) { add_yard(cell, all); });
     add_row(kerb_cell, [&](int64_t cell) { add_kerb(cell, all); });
     all.erase(std::remove_if(all.begin(), all.end(),

@@ -14,7 +14,7 @@ namespace
 {
 
 struct Arguments {
-    std::string out, condition = "summer", size = "320x240";
+    std::string out, condition = "summer", route = "line", size = "320x240";
     uint64_t seed = 7;
     bool sheet = false;
     simulate::DriveConfig drive;
@@ -26,7 +26,8 @@ void simulate(const Arguments &arguments)
     simulate::RecordingConfig recording = arguments.recording;
     const PictureSize size = parse_size(arguments.size, 16, 4096, "320x240");
     recording.size = cv::Size(static_cast<int>(size.width), static_cast<int>(size.height));
-    const simulate::Route route(arguments.seed);
+    const simulate::Route route(arguments.seed, arguments.route == "eight" ? simulate::Shape::eight
+                                                                           : simulate::Shape::line);
     if (arguments.sheet) {
         simulate::write_sheet(arguments.out, route, arguments.drive, recording.size,
                               recording.frames, recording.quality);
@@ -82,6 +83,15 @@ void add_picture_options(CLI::App &command, Arguments &arguments)
         .add_option("--seed", arguments.seed,
                     "seed of the world: the same seed gives the same route")
         ->type_name("N")
+        ->capture_default_str();
+    command
+        .add_option("--route", arguments.route,
+                    "line: without end; eight: a figure of eight, " +
+                        std::to_string(static_cast<int>(simulate::eight_length)) +
+                        " metres a lap, that is driven again and again and passes its crossing "
+                        "twice in each")
+        ->check(CLI::IsMember({"line", "eight"}).description(""))
+        ->type_name("NAME")
         ->capture_default_str();
     command.add_option("--frames", arguments.recording.frames, "pictures to render")
         ->check(CLI::Range(size_t{1}, size_t{999999}).description(""))

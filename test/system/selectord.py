@@ -2,6 +2,7 @@
 
 VDNA_BIN is the folder of vdna and vdna_selectord.
 """
+import io
 import json
 import os
 import queue
@@ -98,13 +99,14 @@ class Selectord:
     """
 
     def __init__(self, *options, program=os.path.join(BIN, "vdna_selectord"), environment=None,
-                 prefix=()):
+                 prefix=(), errors=subprocess.PIPE):
         self._process = subprocess.Popen(
             [*ENDS_WITH_US, *prefix, program, *map(str, options)],
             env={**os.environ, **(environment or {})},
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            stdout=subprocess.PIPE, stderr=errors, text=True)
         self.pid = self._process.pid
-        self._output, self._errors = _Lines(self._process.stdout), _Lines(self._process.stderr)
+        self._output = _Lines(self._process.stdout)
+        self._errors = _Lines(self._process.stderr or io.StringIO())
         self.log = []  # its standard error, after its end
         if not self._output.next(time.monotonic() + PATIENCE):
             self.__exit__()

@@ -546,45 +546,80 @@ class Localise(Scratch):
         self.vdna("build", "map", "b", "c", "--labels", "places.csv")
 
     def localise(self, *arguments):
-        return self.vdna_json("localise", "a", "map", "--labels", "places.csv", *arguments)
+        """Each frame by itself: the drives are too short for a filter."""
+        return self.vdna_json("localise", "a", "map", "--labels", "places.csv",
+                              "--localiser", "nearest", *arguments)
 
     def test_recall_is_the_share_of_frames_found_within_tolerance(self):
-        answer = self.localise()
+        answer = self.localise("--matches")
         b, c = answer["candidates"]
         # Frames 2 and 3 of a are frames 0 and 1 of b; the others were never seen by b or c.
-        self.assertEqual((b["experience"], b["good"], b["unreachable"]), ("b", 2, 2))
-        self.assertEqual(b["recall_percent"], 50)
+        self.assertEqual((b["experience"], b["unreachable"]), ("b", 2))
+        self.assertEqual((b["matches"][2]["frame"], b["matches"][2]["good"]), (0, True))
+        self.assertEqual(b["good"], sum(match["good"] for match in b["matches"]))
+        self.assertEqual(b["recall_percent"], 25 * b["good"])
+        self.assertEqual(b["nearest_recall_percent"], b["recall_percent"])
+        self.assertIsNone(b["unsure_percent"])
         self.assertEqual((c["good"], c["unreachable"]), (0, 4))
-        self.assertEqual((answer["all"]["good"], answer["all"]["unreachable"]), (2, 2))
+        self.assertEqual(answer["all"]["unreachable"], 2)
 
     def test_the_tolerance_is_in_places(self):
         self.assertEqual(self.localise("--tolerance", 0)["candidates"][0]["unreachable"], 2)
         self.assertEqual(self.localise("--tolerance", 20)["candidates"][0]["unreachable"], 0)
 
-    def test_matches_name_frames_and_distances(self):
+    def test_matches_name_their_frames(self):
         matches = self.localise("--matches")["candidates"][0]["matches"]
         self.assertEqual([m["live_frame"] for m in matches], [0, 1, 2, 3])
-        self.assertEqual([(m["frame"], m["distance"], m["good"]) for m in matches[2:]],
-                         [(0, 0, True), (1, 0, True)])
         self.assertEqual(matches[3]["utime"], 300000)
+        for match in matches:
+            self.assertEqual((match["frame"], match["good"]),
+                             (match["nearest_frame"], match["nearest_good"]))
+            self.assertEqual((match["confidence"], match["moving"]), (None, None))
 
-    def test_the_nearest_frame_is_that_of_an_independent_search(self):
+    def rows(self, path):
+        file = Experience(self.folder / path)
+        numbers = file.tensors["embeddings"]
+        return [numbers[file.dim * i:file.dim * (i + 1)] for i in range(file.frames)]
+
+    def assert_nearest(self, matches, distances, delta):
+        for match, row in zip(matches, distances):
+            self.assertEqual(match["nearest_frame"], row.index(min(row)))
+            self.assertAlmostEqual(match["distance"], min(row), delta=delta)
+
+    def test_the_nearest_frame_about_the_means_is_that_of_an_independent_search(self):
         self.vdna("build", "live", "a", "--labels", "places.csv")
-        live, file = (Experience(self.folder / p) for p in ("live/a.vdna", "map/b.vdna"))
+        live, rows = self.rows("live/a.vdna"), self.rows("map/b.vdna")
+        map_mean = [sum(column) / len(rows) for column in zip(*rows)]
+        mean, weight, distances = map_mean, 3, []
 
-        def gap(i, j):
-            a = live.tensors["embeddings"][i * live.dim:(i + 1) * live.dim]
-            b = file.tensors["embeddings"][j * file.dim:(j + 1) * file.dim]
-            return math.dist(a, b)
-        for i, match in enumerate(self.localise("--matches")["candidates"][0]["matches"]):
-            nearest = min(range(file.frames), key=lambda j, i=i: gap(i, j))
-            self.assertEqual(match["frame"], nearest)
-            self.assertAlmostEqual(match["distance"], gap(i, nearest), delta=1e-6 * gap(i, nearest))
+        def direction(row, about):
+            apart = [x - y for x, y in zip(row, about)]
+            return [x / math.hypot(*apart) for x in apart]
+        for x in live:
+            weight += 1
+            mean = [m + (y - m) / weight for y, m in zip(x, mean)]
+            seen = direction(x, mean)
+            distances.append([1 - sum(p * q for p, q in zip(direction(row, map_mean), seen))
+                              for row in rows])
+        self.assert_nearest(self.localise("--matches")["candidates"][0]["matches"], distances, 1e-3)
+        # With a warmup the mean is the same, and what follows it as well.
+        self.assert_nearest(self.localise("--matches", "--skip", 2)["candidates"][0]["matches"],
+                            distances[2:], 1e-3)
+
+    def test_the_nearest_frame_of_one_layer_is_that_of_least_euclidean_distance(self):
+        for directory, name in (("live", "a"), ("paper", "b")):
+            self.vdna("build", directory, name, "--labels", "places.csv", "--backbone", PAPERS)
+        live, rows = self.rows("live/a.vdna"), self.rows("paper/b.vdna")
+        found = self.vdna_json("localise", "a", "paper", "--matches")
+        self.assert_nearest(found["candidates"][0]["matches"],
+                            [[math.dist(x, row) for row in rows] for x in live], 1e-4)
 
     def test_the_warmup_can_be_skipped(self):
-        answer = self.localise("--skip", 2)
-        self.assertEqual((answer["frames"], answer["all"]["recall_percent"]), (2, 100))
-        self.assertIn("skip", self.refused("localise", "a", "map", "--skip", 4))
+        answer = self.localise("--skip", 2, "--matches")
+        self.assertEqual((answer["frames"], answer["warmup_frames"]), (2, 2))
+        self.assertEqual([m["live_frame"] for m in answer["all"]["matches"]], [2, 3])
+        self.assertIn("a: has 4 frames, expected more than the 4 of the warmup; set --skip",
+                      self.refused("localise", "a", "map", "--skip", 4))
 
     def test_experiences_can_be_named(self):
         self.assertEqual([c["experience"] for c in self.localise("--in", "c")["candidates"]],
@@ -598,7 +633,7 @@ class Localise(Scratch):
         self.assertIn("not labelled alike", self.vdna("localise", "a", "map"))
 
     def test_the_difference_matrices_are_drawn(self):
-        self.localise("--matrix", "m.png")
+        self.vdna("localise", "a", "map", "--labels", "places.csv", "--matrix", "m.png")
         data = (self.folder / "m.png").read_bytes()
         self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
         width, height = struct.unpack(">II", data[16:24])
@@ -631,7 +666,9 @@ class CommandLine(Scratch):
         for arguments in (("nonsense",), ("build",), ("build", "map"), ("info",),
                           ("build", "map", "a", "--bins", 1), ("build", "map", "a", "--rate", 0),
                           ("build", "map", "a", "--every", 0), ("info", "map", "--nonsense"),
-                          ("localise", "a", "map", "--tolerance", -1)):
+                          ("localise", "a", "map", "--tolerance", -1),
+                          ("localise", "a", "map", "--localiser", "gps"),
+                          ("localise", "a", "map", "--min-confidence", 1.1)):
             self.refused(*arguments, code=2)
 
     def test_a_full_disk_under_the_report_is_an_error(self):

@@ -267,8 +267,23 @@ class Network(WithConfiguration):
               f"{1000 * max(took):.0f} ms")
         self.assertLess(statistics.median(took), 0.5)
 
+    def test_nobody_has_to_read_what_it_says(self):
+        reading, writing = os.pipe()
+        os.set_blocking(writing, False)
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                os.write(writing, b"full" * 1024)
+        os.set_blocking(writing, True)  # as a parent leaves it
+        with Watch() as watch, Selectord("--map", MAP, "--warmup-frames", 1, errors=writing):
+            for frame in range(4):
+                vdna("command", "reset")
+                vdna("play", LIVE, "--skip", frame, "--frames", 1)
+                watch.wait_for("ranking")
+        os.close(reading)
+        os.close(writing)
+
     def test_a_signal_ends_it_while_it_starts(self):
-        for delay in (0, 0.02, 0.1):
+        for delay in (0, 0.02, 0.1, 0.2, 0.4):
             process = subprocess.Popen([os.path.join(BIN, "vdna_selectord"), "--map", MAP],
                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             time.sleep(delay)
@@ -586,6 +601,21 @@ class CommandLine(WithConfiguration):
         result = selectord("-c", os.path.join(WORK, "none.toml"))
         self.assertEqual(result.returncode, 2)
         self.assertIn("none.toml: cannot be read: No such file", result.stderr)
+        fifo = os.path.join(WORK, "fifo.toml")
+        with contextlib.suppress(FileExistsError):
+            os.mkfifo(fifo)
+        for path in (fifo, WORK):
+            result = selectord("-c", path)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn(path + ": is no regular file", result.stderr)
+        result = selectord("-c", "")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn(": cannot be read: No such file", result.stderr)
+
+    def test_two_channels_of_one_name_are_refused(self):
+        result = selectord("-c", self.configure("[lcm]\ncamera = 'A'\nstatus = 'A'\n"))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn('[lcm] camera and status are both "A"', result.stderr)
 
     def test_the_printed_configuration_is_accepted_and_printed_again(self):
         printed = selectord("--map", "/a 'quoted' \"path\"\\", "--warmup-seconds", 2.5, "-l",

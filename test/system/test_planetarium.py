@@ -82,7 +82,8 @@ def examine(live, others, road_map):
                vdna_json("rank", live, road_map, "--warmup", WARMUP)["ranking"]]
     faults = faults_of(daemon_says(live, road_map), ranking)
     candidates = vdna_json("localise", live, road_map, "--labels", LABELS,
-                           "--tolerance", TOLERANCE, "--matches")["candidates"]
+                           "--localiser", "nearest", "--tolerance", TOLERANCE,
+                           "--matches")["candidates"]
     order = [name for name, _ in ranking]
     return (*judge(recalls(candidates, 0), order), *judge(recalls(candidates, WARMUP), order),
             faults)

@@ -1,4 +1,5 @@
 // Recall@1 on embeddings of one number.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -255,6 +256,90 @@ void all_together_is_the_nearest_of_each(void **)
     assert_int_equal(all.unreachable(), 0);
 }
 
+// A map of 20 places, and a drive through 10 of them.
+struct Drive {
+    static std::vector<float> looks(int first, int frames)
+    {
+        std::vector<float> numbers;
+        for (int i = first; i < first + frames; i++)
+            for (const int k : {1, 2, 3, 4})
+                numbers.push_back(std::sin(0.3f * static_cast<float>(k * i)) +
+                                  static_cast<float>(k));
+        return numbers;
+    }
+    static std::vector<int64_t> places(int first, int frames)
+    {
+        std::vector<int64_t> numbers;
+        for (int i = first; i < first + frames; i++)
+            numbers.push_back(i);
+        return numbers;
+    }
+
+    explicit Drive(const char *embedding)
+        : map("m", looks(0, 20), places(0, 20)), live(recording_of(looks(5, 10), places(5, 10))),
+          warmup(recording_of(looks(3, 2), {}))
+    {
+        for (Recording *recording : {&live, &warmup})
+            recording->frames /= 4;
+        map.experience.frames = 20;
+        map.experience.identity.dim = 4;
+        std::strcpy(map.experience.identity.embedding, embedding);
+    }
+
+    Frames map;
+    Recording live, warmup;
+};
+
+void a_robot_follows_the_map_and_is_judged_beside_the_nearest_frame(void **)
+{
+    for (const char *embedding : {"", "grid 3x3 centred"}) {
+        Drive drive(embedding);
+        drive.live.place[9] = VDNA_PLACE_NONE;
+        const vdna::record::Followed found =
+            follow_in(drive.map.experience, drive.warmup, drive.live, 1, false, true);
+        for (const Localisation *answers : {&found.filter, &found.nearest}) {
+            assert_int_equal(answers->matches.size(), 10);
+            assert_int_equal(answers->judged(), 9);
+            assert_int_equal(answers->unreachable(), 0);
+            assert_true(answers->unit == Unit::places);
+        }
+        assert_int_equal(found.distances.size(), 10 * 20);
+        for (size_t i = 0; i < 10; i++) {
+            const vdna::record::Match &nearest = found.nearest.matches[i];
+            const float *const row = &found.distances[20 * i];
+            assert_int_equal(nearest.frame, std::min_element(row, row + 20) - row);
+            assert_float_equal(nearest.distance, row[nearest.frame], 1e-6);
+            assert_true(found.filter.matches[i].confidence && !nearest.confidence);
+        }
+        assert_int_equal(found.filter.matches[8].frame, 13);
+        assert_true(follow_in(drive.map.experience, drive.warmup, drive.live, 1).distances.empty());
+    }
+    const Drive drive("");
+    const Localisation euclidean = localise_in(drive.map.experience, drive.live, 1),
+                       nearest =
+                           follow_in(drive.map.experience, drive.warmup, drive.live, 1).nearest;
+    for (size_t i = 0; i < 10; i++)
+        assert_true(nearest.matches[i].distance == euclidean.matches[i].distance);
+}
+
+void the_surest_answer_speaks_for_all(void **)
+{
+    const Frames map("m", {0}, {});
+    const auto answers = [&](std::vector<double> confidences) {
+        Localisation localisation;
+        for (const double confidence : confidences) {
+            vdna::record::Match match{&map.experience, 0, confidence};
+            match.confidence = confidence;
+            localisation.matches.push_back(match);
+        }
+        return localisation;
+    };
+    const Localisation all = vdna::record::composite_of({answers({.2, .9}), answers({.5, .8})});
+    assert_true(all.matches[0].confidence == .5 && all.matches[1].confidence == .9);
+    assert_float_equal(all.unsure_percent(.6), 50, 1e-9);
+    assert_float_equal(all.unsure_percent(.5), 0, 1e-9); // at least that is sure
+}
+
 } // namespace
 
 int main()
@@ -274,6 +359,8 @@ int main()
         cmocka_unit_test(a_recording_fills_the_gaps_of_its_labels),
         cmocka_unit_test(without_common_labels_there_are_matches_only),
         cmocka_unit_test(all_together_is_the_nearest_of_each),
+        cmocka_unit_test(a_robot_follows_the_map_and_is_judged_beside_the_nearest_frame),
+        cmocka_unit_test(the_surest_answer_speaks_for_all),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -240,6 +240,47 @@ static void a_drive_without_variation_keeps_to_the_line_and_the_look(void **)
     assert_true(on_another_day(find_condition("summer"), 1, 5).snow == 0);
 }
 
+static void the_figure_of_eight_crosses_itself_at_a_right_angle_in_every_lap(void **)
+{
+    const Route eight(7, Shape::eight);
+    for (const double along : {0., eight_length / 2, eight_length, 1.5 * eight_length})
+        assert_true(cv::norm(eight.position(along, 0)) < 1e-9);
+    const cv::Point2d out = eight.position(1, 0), back = eight.position(eight_length / 2 - 1, 0);
+    assert_true(std::abs(out.dot(back)) < 1e-9);
+    for (double along = -30; along < 2 * eight_length; along += .25) {
+        const cv::Point2d here = eight.position(along, 0), next = eight.position(along + .25, 0);
+        assert_true(std::abs(cv::norm(next - here) - .25) < 1e-3);
+        // Left of the way ahead.
+        const cv::Point2d ahead = (next - here) / .25, left = eight.position(along, 2) - here;
+        assert_true(std::abs(left.dot(cv::Point2d(-ahead.y, ahead.x)) - 2) < .02);
+        assert_true(cv::norm(here - eight.position(along + eight_length, 0)) < 1e-9);
+    }
+}
+
+static void every_lap_of_a_closed_route_looks_like_the_first(void **)
+{
+    const Route eight(7, Shape::eight);
+    const auto seen = [&](double along) {
+        const Drive drive(eight, {along, .5, 10, 0, 1});
+        return Renderer(eight, find_condition("summer"), small).render(drive.shot(0));
+    };
+    for (const double along : {2., 130., 250.}) {
+        assert_true(difference(seen(along), seen(along + eight_length)) < 1e-3);
+        assert_true(difference(seen(along), seen(along + 10)) > 8);
+    }
+    // Also where a lap ends: the landmarks ahead are those of its beginning.
+    const auto ahead = eight.landmarks(eight_length - 10, eight_length + 60),
+               first = eight.landmarks(-10, 60);
+    assert_true(first.size() > 20);
+    assert_int_equal(ahead.size(), first.size());
+    for (size_t i = 0; i < first.size(); i++) {
+        assert_true(ahead[i].shape == first[i].shape);
+        assert_true(std::abs(ahead[i].along - eight_length - first[i].along) < 1e-4);
+    }
+    const cv::Point2d end = eight.at(eight_length + 5), begin = eight.at(5);
+    assert_true(std::abs(end.y - begin.y) < 1e-9);
+}
+
 static void an_unknown_condition_is_refused_with_the_known_ones(void **)
 {
     try {
@@ -308,6 +349,8 @@ int main()
         cmocka_unit_test(a_landmark_ahead_grows_as_the_robot_moves_on),
         cmocka_unit_test(labels_say_where_and_when_each_picture_was_taken),
         cmocka_unit_test(a_drive_without_variation_keeps_to_the_line_and_the_look),
+        cmocka_unit_test(the_figure_of_eight_crosses_itself_at_a_right_angle_in_every_lap),
+        cmocka_unit_test(every_lap_of_a_closed_route_looks_like_the_first),
         cmocka_unit_test(an_unknown_condition_is_refused_with_the_known_ones),
         cmocka_unit_test(a_directory_in_use_is_not_overwritten),
         cmocka_unit_test(a_sheet_has_a_row_for_each_condition_and_a_known_format),

@@ -117,8 +117,8 @@ class RoutePlaces
         };
         const Cell middle = cell_of(position);
         for (int64_t n = 0; n < 27; n++) {
-            const auto posts =
-                left_.find({middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1, middle[2] + n / 9 - 1});
+            const auto posts = left_.find(
+                {middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1, middle[2] + n / 9 - 1});
             if (posts != left_.end())
                 std::for_each(posts->second.begin(), posts->second.end(), look_at);
         }
@@ -194,9 +194,11 @@ inline std::vector<int64_t> route_numbers_of(const std::vector<RoutePlaces::Posi
  *  - Otherwise, with place numbers, these are the numbers, and the tolerance is T, rounded down.
  *  - Otherwise a frame's number is its index, and the tolerance 2.
  *
- *  If every number is the frame's index, `number` is empty: localising is cheaper then.
+ *  If every number is the frame's index, `number` is empty: localising is cheaper then. It always
+ * is with positions and T = 0.
  *  @param experience  its embeddings do not matter
- *  @param tolerance   within which a match is good, >= 0: metres with positions, else place numbers */
+ *  @param tolerance   within which a match is good, >= 0: metres with positions, else place numbers
+ */
 inline Places places_of(const vdna_experience &experience, double tolerance)
 {
     const std::vector<RoutePlaces::Position> positions = ground_positions_of(experience);
@@ -207,7 +209,8 @@ inline Places places_of(const vdna_experience &experience, double tolerance)
     Places places{{}, 2};
     if (spacing > 0) {
         places.tolerance = rounded_down(tolerance / spacing, experience.frames);
-        places.number = route_numbers_of(positions, tolerance);
+        if (tolerance > 0)
+            places.number = route_numbers_of(positions, tolerance);
     } else if (experience.frame_place) {
         places.tolerance = rounded_down(tolerance, std::numeric_limits<uint32_t>::max());
         places.number.assign(experience.frame_place, experience.frame_place + experience.frames);
@@ -223,7 +226,8 @@ inline Places places_of(const vdna_experience &experience, double tolerance)
 class ExperienceLocaliser
 {
   public:
-    /** Distances are about the means if the experience's embeddings are made for that. Throws Error.
+    /** Distances are about the means if the experience's embeddings are made for that. Throws
+     * Error.
      *  @param experience  needed for this call only
      *  @param tolerance   as for places_of() */
     ExperienceLocaliser(const vdna_experience &experience, double tolerance)

@@ -1,5 +1,5 @@
-// Problems that may occur for every frame: keeps the last one, and prints at most one line a second
-// on standard error.
+// Lines that may come as often as frames or commands: keeps the last one, and prints at most one a
+// second on standard error.
 #pragma once
 
 #include <array>
@@ -8,13 +8,13 @@
 namespace vdna::selectord
 {
 
-class ProblemLog
+class LimitedLog
 {
   public:
     // printf-like; `now_us` is monotonic.
     [[gnu::format(printf, 3, 4)]] void note(int64_t now_us, const char *format, ...);
 
-    // The last problem; "" if there was none.
+    // The last line; "" if there was none.
     const char *last() const { return last_.data(); }
 
   private:

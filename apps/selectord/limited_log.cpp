@@ -1,4 +1,4 @@
-#include "selectord/problem_log.hpp"
+#include "selectord/limited_log.hpp"
 
 #include <cinttypes>
 #include <cstdarg>
@@ -7,7 +7,7 @@
 namespace vdna::selectord
 {
 
-void ProblemLog::note(int64_t now_us, const char *format, ...)
+void LimitedLog::note(int64_t now_us, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -20,7 +20,7 @@ void ProblemLog::note(int64_t now_us, const char *format, ...)
     }
     std::fprintf(stderr, "vdna_selectord: %s", last_.data());
     if (unprinted_ > 0)
-        std::fprintf(stderr, " (and %" PRIu64 " more problems since the last line)", unprinted_);
+        std::fprintf(stderr, " (and %" PRIu64 " more lines like it before)", unprinted_);
     std::fputc('\n', stderr);
     quiet_until_us_ = now_us + 1000000;
     unprinted_ = 0;
