@@ -66,6 +66,13 @@ std::string how_it_ended(int status)
     return "it ended with exit code " + std::to_string(WEXITSTATUS(status));
 }
 
+// Another picture may do better.
+bool blames_picture(vdna_status status)
+{
+    return status == VDNA_ERR_FORMAT || status == VDNA_ERR_UNSUPPORTED ||
+           status == VDNA_ERR_NONFINITE;
+}
+
 std::string milliseconds(int64_t us)
 {
     return std::to_string(us / 1000) + " ms";
@@ -207,8 +214,7 @@ vdna_status BackboneProcess::open(vdna_error &error)
     if (status != VDNA_OK)
         return status;
     opening_us_ = std::max(openings_in_limit * (monotonic_us() - begin_us), shortest_opening_us);
-    find_budget();
-    return state_ == State::idle ? VDNA_OK : refuse(error);
+    return find_budget(error);
 }
 
 vdna_status BackboneProcess::run(const vdna_image &image, vdna_error &error,
@@ -478,17 +484,23 @@ void BackboneProcess::take_numbers(vdna_backbone_frame &out_frame)
 }
 
 // By a black picture, which also has the network of a plug-in run before the first frame comes.
-void BackboneProcess::find_budget()
+vdna_status BackboneProcess::find_budget(vdna_error &error)
 {
     static const uint8_t black[16 * 16] = {};
     const vdna_image image{black, sizeof black, 16, 16, 0, VDNA_PIXEL_GREY};
     const int64_t begin_us = monotonic_us();
-    vdna_error refusal{};
+    vdna_error why{};
     vdna_backbone_frame frame{};
-    run(image, refusal, frame);
+    const vdna_status status = run(image, why, frame);
     const int64_t trial_us = monotonic_us() - begin_us;
     budget_us_ = config_.budget_ms > 0 ? int64_t{config_.budget_ms} * 1000
                                        : std::max(trials_in_budget * trial_us, shortest_budget_us);
+    if (status == VDNA_OK || blames_picture(status))
+        return VDNA_OK;
+    return fail(error, status,
+                "%s: the network cannot run in a process of its own: %s; where it needs devices or "
+                "writes files, set [backbone] process = false",
+                config_.manifest.c_str(), why.text);
 }
 
 vdna_status BackboneProcess::refuse(vdna_error &error) const

@@ -78,7 +78,7 @@ class BackboneProcess
     vdna_status take_first_description(vdna_error &error);
     void take_description();
     void take_numbers(vdna_backbone_frame &out_frame);
-    void find_budget();
+    vdna_status find_budget(vdna_error &error);
     vdna_status refuse(vdna_error &error) const;
 
     const Config &config_;

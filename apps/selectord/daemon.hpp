@@ -30,8 +30,8 @@ namespace vdna::selectord
 class Daemon
 {
   public:
-    // Allocates all memory of the loop; borrows all four. `process` is that of the backbone, nullptr
-    // if it has none of its own. Throws Error.
+    // Allocates all memory of the loop; borrows all four. `process` is that of the backbone,
+    // nullptr if it has none of its own. Throws Error.
     Daemon(const Config &config, const Map &map, const Backbone &backbone,
            BackboneProcess *process = nullptr);
 

@@ -111,6 +111,8 @@ class Selectord:
         if not self._output.next(time.monotonic() + PATIENCE):
             self.__exit__()
             raise AssertionError(f"the daemon was never READY: {self.log}")
+        # Its processes at this moment.
+        self.pids = [pid for pid in (self.pid, network_process(self.pid)) if pid]
 
     def __enter__(self):
         return self

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 
 import own_network
-from selectord import Selectord, WithConfiguration, network_process, vdna
+from selectord import Selectord, WithConfiguration, vdna
 
 COST_MAX_US = 300       # a frame
 MEMORY_MAX = 8 << 20    # bytes
@@ -48,8 +48,7 @@ class ProcessCost(WithConfiguration):
 
     def memory(self, settings):
         with Selectord("--map", MAP, "-c", self.configure(settings)) as daemon:
-            other = network_process(daemon.pid)
-            return sum(share_of(pid) for pid in (daemon.pid, other) if pid)
+            return sum(map(share_of, daemon.pids))
 
     def test_it_takes_little_memory(self):
         within = self.memory("[backbone]\nprocess = false\n")

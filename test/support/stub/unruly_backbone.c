@@ -1,6 +1,6 @@
 /* The stub's network, which does what its picture says: "crash", "hang", ... Any other picture is
  * run as the stub does. $VDNA_UNRULY_OPEN says what opening does: "crash", "other" (another
- * network). */
+ * network), "device" (no picture can be run). */
 #define vdna_backbone_plugin stub_operations
 #include "stub_backbone.c"
 #undef vdna_backbone_plugin
@@ -133,11 +133,19 @@ static vdna_status try_deed(const struct deed *deed, vdna_error *error)
     return VDNA_ERR_RUNTIME;
 }
 
+static bool opening_is(const char *what)
+{
+    const char *const said = getenv("VDNA_UNRULY_OPEN");
+    return said && strcmp(said, what) == 0;
+}
+
 static vdna_status unruly_run(void *state, const vdna_image *image, vdna_error *error,
                               vdna_backbone_frame *out_frame)
 {
     char command[32] = "";
     memcpy(command, image->data, image->size < sizeof command ? image->size : sizeof command - 1);
+    if (opening_is("device"))
+        return VDNA_ERR_IO;
     if (strcmp(command, "crash") == 0)
         raise(SIGSEGV);
     if (strcmp(command, "exit") == 0)
@@ -160,12 +168,6 @@ static vdna_status unruly_run(void *state, const vdna_image *image, vdna_error *
     if (strcmp(command, "shape") == 0)
         out_frame->dim = 4;
     return status;
-}
-
-static bool opening_is(const char *what)
-{
-    const char *const said = getenv("VDNA_UNRULY_OPEN");
-    return said && strcmp(said, what) == 0;
 }
 
 static vdna_status unruly_open(const vdna_backbone_config *config, vdna_error *error,
