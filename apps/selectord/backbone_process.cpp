@@ -1,6 +1,7 @@
 #include "selectord/backbone_process.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <csignal>
 #include <cstdarg>
@@ -47,6 +48,16 @@ constexpr int64_t trials_in_budget = 10;
     std::vsnprintf(error.text, sizeof error.text, format, arguments);
     va_end(arguments);
     return status;
+}
+
+// A sentence of the process, without anything that would end it, or a terminal obey.
+vdna_error printable(vdna_error error)
+{
+    error.text[sizeof error.text - 1] = '\0';
+    for (char *at = error.text; *at; at++)
+        if (std::iscntrl(static_cast<unsigned char>(*at)))
+            *at = '?';
+    return error;
 }
 
 int make_event()
@@ -230,7 +241,7 @@ vdna_status BackboneProcess::run(const vdna_image &image, vdna_error &error,
 
     const int64_t begin_us = monotonic_us();
     mailbox_.request().image = image;
-    std::memcpy(mailbox_.picture(), image.data, image.size);
+    std::copy_n(image.data, image.size, mailbox_.picture());
     post(number_ + 1);
     switch (wait(begin_us + budget_us_)) {
     case Event::replied:
@@ -415,8 +426,7 @@ vdna_status BackboneProcess::take_reply(vdna_error &error)
     reply_.info.identity.bins = 0;
     reply_.info.identity.range = nullptr; // it means nothing here
     if (reply_.status != VDNA_OK) {
-        error = reply_.error;
-        error.text[sizeof error.text - 1] = '\0';
+        error = printable(reply_.error);
     }
     return reply_.status;
 }

@@ -57,9 +57,9 @@ static long fork_itself(void)
     return child;
 }
 
-static long kill_its_parent(void)
+static long signal_its_parent(void)
 {
-    return kill(getppid(), SIGKILL);
+    return kill(getppid(), 0); /* is it permitted? */
 }
 
 static long watch_its_parent(void)
@@ -118,7 +118,7 @@ static const struct deed {
 } deeds[] = {
     {"socket", open_a_socket},       {"write", open_to_write},      {"create", open_a_new_file},
     {"truncate", empty_a_file},      {"unlink", remove_a_file},     {"exec", start_a_program},
-    {"fork", fork_itself},           {"kill", kill_its_parent},     {"ptrace", watch_its_parent},
+    {"fork", fork_itself},           {"kill", signal_its_parent},   {"ptrace", watch_its_parent},
     {"outlive", outlive_its_parent}, {"io_uring", set_up_io_uring}, {"memory", take_all_memory},
     {"read", read_a_file},           {"thread", start_a_thread},
 };
