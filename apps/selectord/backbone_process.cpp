@@ -158,7 +158,7 @@ const vdna_backbone_operations BackboneProcess::operations = {
     [](const vdna_backbone_config *config, vdna_error *error, void **out_state) {
         // open_with() hands the manifest over as it is: it is this object, for want of a context.
         auto *const process = reinterpret_cast<BackboneProcess *>(
-            const_cast<char *>(config->manifest)); // NOLINT(*-const-cast)
+            const_cast<char *>(config->manifest));
         *out_state = process;
         return process->open(*error);
     },
