@@ -72,6 +72,13 @@ Threshold threshold_of(const Answers &answers, double confidence)
 
 } // namespace
 
+const Threshold &usual_threshold(const ConfidenceMetrics &metrics)
+{
+    return *std::find_if(
+        metrics.thresholds.begin(), metrics.thresholds.end(),
+        [](const Threshold &threshold) { return threshold.confidence == usual_min_confidence; });
+}
+
 ConfidenceMetrics judge_confidence(const std::vector<JudgedAnswer> &answers)
 {
     for (const JudgedAnswer &answer : answers)

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <vdna/localise.h>
+
 namespace vdna::eval
 {
 
@@ -29,8 +31,10 @@ struct Threshold {
     double answered;   // percent of all answers that are kept
 };
 
-// 0.96: the default of localise.min_confidence.
-constexpr std::array<double, 8> confidence_thresholds = {0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.96, 0.99};
+constexpr double usual_min_confidence = VDNA_LOCALISE_MIN_CONFIDENCE_DEFAULT;
+
+constexpr std::array<double, 8> confidence_thresholds = {
+    0.5, 0.6, 0.7, 0.8, 0.9, 0.95, usual_min_confidence, 0.99};
 
 struct ConfidenceMetrics {
     uint32_t answers, good;
@@ -39,6 +43,9 @@ struct ConfidenceMetrics {
     std::array<ReliabilityBin, 10> reliability; // [k/10, (k+1)/10), the last with 1
     std::array<Threshold, confidence_thresholds.size()> thresholds;
 };
+
+// What is left at usual_min_confidence.
+const Threshold &usual_threshold(const ConfidenceMetrics &metrics);
 
 // answers: at least one. Throws Error if a confidence is not in 0..1.
 ConfidenceMetrics judge_confidence(const std::vector<JudgedAnswer> &answers);

@@ -76,15 +76,23 @@ struct MethodResult {
     vdna_ranking_metrics metrics; // percentages as percentages
 };
 
-// One way to localise, on all queries.
+// How well frames were localised.
+struct LocaliserScore {
+    Mean recall{};                               // over queries, percent
+    std::optional<ConfidenceMetrics> confidence; // of all answers on the route, if they have one
+    std::optional<Mean> off_route; // over queries, percent of the answers off the route that have
+                                   // the confidence usual_min_confidence; if there are any
+};
+
+// One way to localise, on all queries, in one kind of drive.
 struct LocaliserResult {
     std::string name;           // key of a localiser of eval/localisers.hpp
-    bool in_each = true;        // in one reference at a time; otherwise in all at once
+    std::string drive;          // key of a kind of drive of eval/drives.hpp
+    bool in_each = true;        // in one reference at a time; otherwise in several at once
     std::vector<double> recall; // percent: [queries][references], NaN without a pair, if in_each,
                                 // otherwise [queries]
-    Mean mean{};                // over queries, of their means over references
-    Mean chosen{};              // over queries, in the reference that Visual DNA chooses
-    std::optional<ConfidenceMetrics> confidence; // of all answers, if they have one
+    LocaliserScore mean;        // over references
+    LocaliserScore chosen;      // in the reference that Visual DNA chooses; `mean` if not in_each
 };
 
 struct Evaluation {
@@ -101,10 +109,11 @@ struct Evaluation {
 
     const std::vector<Traversal> *traversals = nullptr; // borrowed
     std::vector<QueryResult> queries;
-    std::vector<size_t> references;    // traversals: the columns of the tables below
-    std::vector<double> recall;        // [queries][references], percent; NaN without a pair
-    std::vector<MethodResult> methods; // ours first, chance last
-    std::vector<LocaliserResult> localisers;
+    std::vector<size_t> references;          // traversals: the columns of the tables below
+    std::vector<double> recall;              // [queries][references], percent; NaN without a pair
+    std::vector<MethodResult> methods;       // ours first, chance last
+    std::vector<LocaliserResult> localisers; // in the drives as recorded
+    std::vector<LocaliserResult> drives;     // in the drives asked for, drive by drive
 };
 
 // Distances of the embeddings, [live frames][map frames]: the difference matrix.

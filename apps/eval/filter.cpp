@@ -1,5 +1,6 @@
 #include "eval/filter.hpp"
 
+#include <cstring>
 #include <functional>
 
 #include <vdna/cpp/experience_localiser.hpp>
@@ -12,10 +13,17 @@ namespace vdna::eval
 namespace
 {
 
+// Maps that were not read from files do not say how their embeddings are made.
+vdna_experience about_its_mean(vdna_experience map)
+{
+    std::strcpy(map.identity.embedding, "output centred");
+    return map;
+}
+
 std::vector<Answer> follow(const Drive &drive, const vdna_experience &map,
                            const std::function<Answer(const vdna_localise_answer &)> &answer_of)
 {
-    ExperienceLocaliser localiser(map, drive.tolerance, true);
+    ExperienceLocaliser localiser(about_its_mean(map), drive.tolerance);
     uint32_t next = drive.begin;
     for (; next < drive.begin + drive.warmup_frames; next++)
         require(vdna_localise_warm_up(localiser.get(), drive.embedding(next)), map.name);

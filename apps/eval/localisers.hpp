@@ -34,15 +34,18 @@ struct Answer {
 
 // The map that a localiser gets.
 enum class MapKind {
-    each, // each reference in turn
-    all,  // all references at once, concatenated
-    fused // all references fused into one, see eval/reference_maps.hpp
+    each,          // each reference in turn
+    top,           // the references nearest by Visual DNA, each; the most confident answer counts
+    all,           // all references at once, concatenated
+    fused,         // all references fused into one, see eval/reference_maps.hpp
+    fused_centred, // the same, of embeddings about the mean of their reference
 };
 
 struct Localiser {
     const char *key;   // on the command line, in JSON, CSV and file names
     const char *title; // for people
     MapKind map;
+    uint32_t top; // number of references for MapKind::top; 0 = all
     // An answer for each frame of drive.live. map: at least one frame. Throws Error.
     std::vector<Answer> (*find)(const Drive &drive, const vdna_experience &map);
 };
@@ -55,6 +58,13 @@ extern const std::vector<std::string> usual_localisers;
 std::vector<std::string> localiser_keys();
 // Throws Error if there is none of this name.
 const Localiser &localiser_of(const std::string &key);
+
+// Answers in several experiences, to the same frames, made one: for each frame that of most
+// confidence, of equals the first experience's. frames: of each experience; answers are then frames
+// of the experiences joined in this order. Answers without a confidence are less confident than
+// any.
+std::vector<Answer> most_confident(const std::vector<std::vector<Answer>> &answers,
+                                   const std::vector<uint32_t> &frames);
 
 // The nearest map frame by Euclidean distance of the embeddings; ties take the lowest index.
 std::vector<Answer> nearest(const Drive &drive, const vdna_experience &map);

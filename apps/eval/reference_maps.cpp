@@ -75,6 +75,15 @@ class Fusion
     std::vector<uint32_t> parts_; // [places], in the sum
 };
 
+// Of the embeddings, [dim].
+std::vector<double> mean_of(const record::Recording &recording, uint32_t dim)
+{
+    std::vector<double> mean(dim);
+    for (size_t i = 0; i < recording.embeddings.size(); i++)
+        mean[i % dim] += double{recording.embeddings[i]} / recording.frames;
+    return mean;
+}
+
 } // namespace
 
 vdna_experience map_of(const record::Recording &recording, uint32_t dim)
@@ -109,6 +118,22 @@ record::Recording joined(const std::vector<const record::Recording *> &parts, ui
         for (uint32_t i = 0; i < part->frames; i++)
             append(all, *part, i, dim);
     return all;
+}
+
+void give_one_mean(std::vector<record::Recording> &parts, uint32_t dim)
+{
+    std::vector<std::vector<double>> means;
+    std::vector<double> common(dim);
+    for (const record::Recording &part : parts) {
+        means.push_back(mean_of(part, dim));
+        for (uint32_t i = 0; i < dim; i++)
+            common[i] += means.back()[i] / static_cast<double>(parts.size());
+    }
+    for (size_t p = 0; p < parts.size(); p++)
+        for (size_t i = 0; i < parts[p].embeddings.size(); i++) {
+            float &number = parts[p].embeddings[i];
+            number = static_cast<float>(number + common[i % dim] - means[p][i % dim]);
+        }
 }
 
 record::Recording fused(const std::vector<const record::Recording *> &parts, uint32_t dim,

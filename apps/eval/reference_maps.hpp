@@ -17,6 +17,10 @@ void append(record::Recording &to, const record::Recording &from, uint32_t frame
 // All frames, concatenated.
 record::Recording joined(const std::vector<const record::Recording *> &parts, uint32_t dim);
 
+// Shift the embeddings of each part, so that their mean is the same in all parts: that of the
+// parts' means.
+void give_one_mean(std::vector<record::Recording> &parts, uint32_t dim);
+
 // A frame for each place, whose embedding is the mean over the parts that have been there. The
 // labelled frames of the first part are places; so are those of each further part that are farther
 // than the tolerance from all places before it. A part's embedding of a place is that of its

@@ -29,6 +29,24 @@ program::Json json_of(const eval::ConfidenceMetrics &metrics)
     return json;
 }
 
+program::Json json_of(const eval::LocaliserScore &score)
+{
+    program::Json json = json_of(score.recall);
+    if (score.confidence)
+        json["confidence"] = json_of(*score.confidence);
+    if (score.off_route)
+        json["off_route"] = {{"confidence", eval::usual_min_confidence},
+                             {"answered_percent", score.off_route->value},
+                             {"low", score.off_route->low},
+                             {"high", score.off_route->high}};
+    return json;
+}
+
+program::Json json_of(const eval::LocaliserResult &result)
+{
+    return {{"mean", json_of(result.mean)}, {"first_choice", json_of(result.chosen)}};
+}
+
 } // namespace
 
 program::Json localisers_json(const eval::Evaluation &evaluation)
@@ -38,14 +56,19 @@ program::Json localisers_json(const eval::Evaluation &evaluation)
     for (size_t i = 0; i < evaluation.localisers.size(); i++) {
         const eval::LocaliserResult &result = evaluation.localisers[i];
         program::Json &entry = json[result.name];
-        entry["mean"] = json_of(result.mean);
-        entry["first_choice"] = json_of(result.chosen);
+        entry = json_of(result);
         for (const LocaliserRow &row : rows)
             if (!std::isnan(row.recall[i]))
                 entry["recall"][row.query][row.reference] = row.recall[i];
-        if (result.confidence)
-            entry["confidence"] = json_of(*result.confidence);
     }
+    return json;
+}
+
+program::Json drives_json(const eval::Evaluation &evaluation)
+{
+    program::Json json = program::Json::object();
+    for (const eval::LocaliserResult &result : evaluation.drives)
+        json[result.drive][result.name] = json_of(result);
     return json;
 }
 

@@ -40,7 +40,8 @@ std::string means_table(const eval::Evaluation &evaluation)
     program::TextTable table;
     table.add_row({"localiser", "mean over references", "in the first choice"});
     for (const eval::LocaliserResult &result : evaluation.localisers)
-        table.add_row({result.name, mean_text(result.mean), mean_text(result.chosen)});
+        table.add_row(
+            {result.name, mean_text(result.mean.recall), mean_text(result.chosen.recall)});
     return table.text();
 }
 
@@ -60,7 +61,7 @@ std::string recall_table(const eval::Evaluation &evaluation)
 
 std::string confidence_tables(const eval::LocaliserResult &result)
 {
-    const eval::ConfidenceMetrics &metrics = *result.confidence;
+    const eval::ConfidenceMetrics &metrics = *result.mean.confidence;
     program::TextTable curve, thresholds;
     curve.add_row({"confidence", "answers", "mean", "good/%"});
     for (size_t i = 0; i < metrics.reliability.size(); i++) {
@@ -78,6 +79,35 @@ std::string confidence_tables(const eval::LocaliserResult &result)
            (std::isnan(metrics.auroc) ? "-" : program::fixed(metrics.auroc, 3)) + ", " +
            std::to_string(metrics.answers) + " answers, " + std::to_string(metrics.good) +
            " good\n" + curve.text() + "\n" + thresholds.text();
+}
+
+// references: those of the score.
+std::vector<std::string> drive_row(const eval::LocaliserResult &result,
+                                   const std::string &references, const eval::LocaliserScore &score)
+{
+    std::vector<std::string> row = {result.drive, result.name, references, mean_text(score.recall)};
+    if (score.confidence) {
+        const eval::Threshold &usual = eval::usual_threshold(*score.confidence);
+        const double auroc = score.confidence->auroc;
+        row.push_back(std::isnan(auroc) ? "-" : program::fixed(auroc, 3));
+        row.push_back(percent_text(usual.precision));
+        row.push_back(percent_text(usual.kept));
+    }
+    if (score.off_route)
+        row.push_back(mean_text(*score.off_route));
+    return row;
+}
+
+std::string drives_table(const eval::Evaluation &evaluation)
+{
+    program::TextTable table;
+    table.add_row(drive_heads);
+    for (const std::vector<std::string> &row : drive_rows(evaluation))
+        table.add_row(row);
+    return "\nDrives: Recall@1 of the frames on the route; precision, right answers kept and "
+           "frames "
+           "answered off the route at a confidence of at least " +
+           program::fixed(eval::usual_min_confidence, 2) + "\n" + table.text();
 }
 
 } // namespace
@@ -103,6 +133,22 @@ std::string mean_text(const eval::Mean &mean)
                 : " (" + program::fixed(mean.low, 2) + " to " + program::fixed(mean.high, 2) + ")");
 }
 
+const std::vector<std::string> drive_heads = {
+    "drive", "localiser",   "references", "Recall@1/%",
+    "AUROC", "precision/%", "kept/%",     "answered off route/%",
+};
+
+std::vector<std::vector<std::string>> drive_rows(const eval::Evaluation &evaluation)
+{
+    std::vector<std::vector<std::string>> rows;
+    for (const eval::LocaliserResult &result : evaluation.drives) {
+        rows.push_back(drive_row(result, result.in_each ? "each" : "together", result.mean));
+        if (result.in_each)
+            rows.push_back(drive_row(result, "first choice", result.chosen));
+    }
+    return rows;
+}
+
 std::vector<size_t> beyond_usual_localisers(const eval::Evaluation &evaluation)
 {
     const std::vector<std::string> &usual = eval::usual_localisers;
@@ -121,9 +167,9 @@ std::string localiser_tables(const eval::Evaluation &evaluation)
     if (!beyond_usual_localisers(evaluation).empty())
         text += "\n" + recall_table(evaluation);
     for (const eval::LocaliserResult &result : evaluation.localisers)
-        if (result.confidence)
+        if (result.mean.confidence)
             text += confidence_tables(result);
-    return text;
+    return text + (evaluation.drives.empty() ? "" : drives_table(evaluation));
 }
 
 } // namespace vdna::report

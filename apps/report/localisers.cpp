@@ -3,7 +3,8 @@
 
 #include <cmath>
 
-#include "eval/compare_localisers.hpp"
+#include "eval/drives.hpp"
+#include "eval/localisers.hpp"
 #include "report/chart.hpp"
 #include "report/html.hpp"
 #include "report/sections.hpp"
@@ -32,10 +33,10 @@ std::string means_table(const eval::Evaluation &evaluation)
 {
     std::string body;
     for (const eval::LocaliserResult &result : evaluation.localisers)
-        body += element("tr",
-                        text_element("th scope=\"row\"", eval::localiser_of(result.name).title) +
-                            text_element("td", result.name) + number_cell(mean_text(result.mean)) +
-                            number_cell(mean_text(result.chosen)));
+        body += element(
+            "tr", text_element("th scope=\"row\"", eval::localiser_of(result.name).title) +
+                      text_element("td", result.name) + number_cell(mean_text(result.mean.recall)) +
+                      number_cell(mean_text(result.chosen.recall)));
     return table("Localisers: Recall@1 in %, mean over queries",
                  head_of({"Localiser", "Name", "Mean over references", "In the first choice"}),
                  body);
@@ -50,8 +51,8 @@ std::string means_chart(const eval::Evaluation &evaluation)
                            result.name + ", " + of + ": " + mean_text(mean) + " %"};
         };
         groups.push_back({result.name,
-                          {whisker(result.mean, "mean over references"),
-                           whisker(result.chosen, "in the first choice")}});
+                          {whisker(result.mean.recall, "mean over references"),
+                           whisker(result.chosen.recall, "in the first choice")}});
     }
     return element("figure",
                    whisker_chart("Recall@1, %", 100, groups) +
@@ -78,7 +79,7 @@ std::string recall_table(const eval::Evaluation &evaluation)
 
 std::string reliability_figure(const eval::LocaliserResult &result)
 {
-    const eval::ConfidenceMetrics &metrics = *result.confidence;
+    const eval::ConfidenceMetrics &metrics = *result.mean.confidence;
     std::vector<Point> points;
     for (const eval::ReliabilityBin &bin : metrics.reliability)
         if (bin.answers > 0)
@@ -97,7 +98,7 @@ std::string reliability_figure(const eval::LocaliserResult &result)
 std::string threshold_table(const eval::LocaliserResult &result)
 {
     std::string body;
-    for (const eval::Threshold &threshold : result.confidence->thresholds)
+    for (const eval::Threshold &threshold : result.mean.confidence->thresholds)
         body +=
             element("tr", text_element("th scope=\"row\"", number_text(threshold.confidence, 2)) +
                               number_cell(number_text(threshold.precision, 2)) +
@@ -111,7 +112,7 @@ std::string confidences(const eval::Evaluation &evaluation)
 {
     std::string figures, tables;
     for (const eval::LocaliserResult &result : evaluation.localisers)
-        if (result.confidence) {
+        if (result.mean.confidence) {
             figures += reliability_figure(result);
             tables += threshold_table(result);
         }
@@ -123,6 +124,27 @@ std::string confidences(const eval::Evaluation &evaluation)
            element("div class=\"charts\"", figures) + tables;
 }
 
+std::string drives(const eval::Evaluation &evaluation)
+{
+    if (evaluation.drives.empty())
+        return "";
+    std::string body, list;
+    for (std::vector<std::string> cells : drive_rows(evaluation)) {
+        cells.resize(drive_heads.size());
+        std::string row = text_element("th scope=\"row\"", cells[0]) +
+                          text_element("td", cells[1]) + text_element("td", cells[2]);
+        for (size_t i = 3; i < cells.size(); i++)
+            row += number_cell(cells[i]);
+        body += element("tr", row);
+    }
+    for (const eval::DriveKind &kind : eval::drive_kinds)
+        list += text_element("dt", kind.key) + text_element("dd", kind.title);
+    return "<h3>Disturbed drives</h3><p>Recall@1 counts the frames on the route. Precision, right "
+           "answers kept, and frames answered off the route are at a confidence of at least " +
+           number_text(eval::usual_min_confidence, 2) + ".</p>" + element("dl", list) +
+           table("Localisers by drive", head_of(drive_heads), body);
+}
+
 } // namespace
 
 std::string localisers_section(const eval::Evaluation &evaluation)
@@ -132,7 +154,7 @@ std::string localisers_section(const eval::Evaluation &evaluation)
            "interval over queries.</p>" +
            means_table(evaluation) + element("div class=\"charts\"", means_chart(evaluation)) +
            (beyond_usual_localisers(evaluation).empty() ? "" : recall_table(evaluation)) +
-           confidences(evaluation);
+           confidences(evaluation) + drives(evaluation);
 }
 
 } // namespace vdna::report

@@ -25,10 +25,17 @@ std::string mean_text(const eval::Mean &mean);
 // Indices of the localisers whose recalls the other tables do not have.
 std::vector<size_t> beyond_usual_localisers(const eval::Evaluation &evaluation);
 
-// Means with intervals, the recalls unless the other tables have them, and confidences.
+// Means with intervals, the recalls unless the other tables have them, confidences, and drives.
 std::string localiser_tables(const eval::Evaluation &evaluation);
 
-// {name: {"mean", "first_choice", "recall", "confidence"}}
+// {name: {"mean", "first_choice", "recall"}}; the first two have "confidence" inside
 program::Json localisers_json(const eval::Evaluation &evaluation);
+
+// {drive: {name: {"mean", "first_choice"}}}, which also have "off_route" inside
+program::Json drives_json(const eval::Evaluation &evaluation);
+
+// The table of drives: its heads, and its rows, in which a localiser in each reference has two.
+extern const std::vector<std::string> drive_heads;
+std::vector<std::vector<std::string>> drive_rows(const eval::Evaluation &evaluation);
 
 } // namespace vdna::report

@@ -176,6 +176,8 @@ program::Json json_of(const eval::Evaluation &evaluation,
         if (!method.distance.empty())
             json["distance"][method.name] = distances_of(evaluation, method);
     json["localisers"] = localisers_json(evaluation);
+    if (!evaluation.drives.empty())
+        json["drives"] = drives_json(evaluation);
     for (const eval::Ablation &ablation : ablations) {
         program::Json &rows = json["ablations"][ablation.kind] = program::Json::array();
         for (const eval::AblationRow &row : ablation.rows)

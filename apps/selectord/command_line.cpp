@@ -6,6 +6,7 @@
 #include <vdna/cpp/selector.hpp>
 #include <vdna/version.h>
 
+#include "program/decimal.hpp"
 #include "program/exit_code.hpp"
 
 namespace vdna::selectord
@@ -76,7 +77,7 @@ void describe(CLI::App &app, Options &options, Invocation &invocation)
             ->check(CLI::Range(uint32_t{1}, UINT32_MAX));
     app.add_option("--warmup-seconds", options.warmup_seconds, "Choose after this much camera time")
         ->type_name("T")
-        ->check(CLI::Range(warmup_seconds_min, warmup_seconds_max))
+        ->check(program::within(warmup_seconds_min, warmup_seconds_max))
         ->excludes(frames);
     app.add_option("-l,--lcm-url", options.url,
                    "LCM network; default: $LCM_DEFAULT_URL, else LCM's")

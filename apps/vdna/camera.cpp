@@ -8,6 +8,7 @@
 #include "frames/stream_camera.hpp"
 #include "frames/v4l2_camera.hpp"
 #include "program/clock.hpp"
+#include "program/decimal.hpp"
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
 #include "vdna/camera_channel.hpp"
@@ -151,7 +152,7 @@ void add_device_options(CLI::App &command, CameraOptions &options)
     command
         .add_option("--rate", options.settings.rate_hz,
                     "frames per second of a V4L2 camera" + as_set)
-        ->check(within(0.01, 10000))
+        ->check(program::within(0.01, 10000))
         ->type_name("HZ");
     command
         .add_option("--format", options.settings.format,

@@ -6,6 +6,7 @@
 
 #include "eval/ablation.hpp"
 #include "eval/compare_localisers.hpp"
+#include "program/decimal.hpp"
 #include "program/exit_code.hpp"
 #include "program/replaced_file.hpp"
 #include "record/ranges.hpp"
@@ -39,6 +40,7 @@ struct EvalOptions {
     uint32_t range_rule = VDNA_RANGE_ABOUT_MIDPOINT;
     std::vector<std::string> ablate;
     std::vector<std::string> localisers = eval::usual_localisers;
+    std::vector<std::string> drives;
     std::string cache, json, csv, npy, html;
     std::string command_line; // as given
 };
@@ -164,6 +166,19 @@ std::string command_line_of(const CLI::App &command)
     return line;
 }
 
+// The localisers in each of the drives.
+std::vector<eval::LocaliserResult> drives_of(const eval::Evaluation &evaluation,
+                                             const EvalOptions &o)
+{
+    std::vector<eval::LocaliserResult> results;
+    for (const eval::DriveKind &kind : eval::drive_kinds)
+        if (contains(o.drives, kind.key))
+            for (eval::LocaliserResult &result :
+                 eval::compare_localisers(evaluation, o.localisers, kind))
+                results.push_back(std::move(result));
+    return results;
+}
+
 void run(const EvalOptions &o)
 {
     const frames::Dataset dataset = dataset_of(o);
@@ -176,6 +191,7 @@ void run(const EvalOptions &o)
     eval::Evaluation evaluation = eval::evaluate(frames, binning, settings);
     evaluation.dataset = o.dataset;
     evaluation.localisers = eval::compare_localisers(evaluation, o.localisers);
+    evaluation.drives = drives_of(evaluation, o);
     std::vector<eval::Ablation> ablations;
     for (const std::string &kind : o.ablate)
         ablations.push_back(eval::ablate(frames, settings, {kind, o.bins, o.warmup, o.range_rule}));
@@ -210,7 +226,7 @@ void add_dataset_options(CLI::App &command, EvalOptions &o)
         ->delimiter(',')
         ->type_name("NAME");
     command.add_option("--rate", o.frames.rate_hz, "frames per second, if labels have no utime")
-        ->check(CLI::Validator(CLI::PositiveNumber).description(""))
+        ->check(program::within(1e-6, 1e6))
         ->type_name("HZ")
         ->capture_default_str();
     command.add_flag("--skip-bad", o.frames.skip_bad,
@@ -229,7 +245,7 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
     command
         .add_option("--tolerance", o.tolerance,
                     "a match is good within T places or metres (default: the data set's, else 5)")
-        ->check(CLI::Validator(CLI::NonNegativeNumber).description(""))
+        ->check(program::within(0, 1e9))
         ->type_name("T");
     add_altitude_option(command, o.with_altitude);
     command
@@ -255,13 +271,24 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
         ->type_name("WHAT");
     command
         .add_option("--localisers", o.localisers,
-                    "ways to localise to compare: nn (nearest frame, in each reference), seqslam "
-                    "(sequences of 10 frames, in each), fused (nearest frame in the mean of all "
-                    "references), all (nearest frame of all references)")
+                    "ways to localise to compare: nn (nearest frame, in each reference), centred "
+                    "(the same about the means), filter (place filter, in each), filter_top2, "
+                    "filter_top3, filter_all (the most confident of the filters in the best "
+                    "references), seqslam (sequences of 10 frames, in each), fused (nearest frame "
+                    "in the mean of all references), all (nearest frame of all references)")
         ->delimiter(',')
         ->check(CLI::IsMember(eval::localiser_keys()).description(""))
         ->type_name("NAME")
         ->default_str("nn,all");
+    command
+        .add_option("--drives", o.drives,
+                    "also compare the localisers in these drives: plain (as recorded), varied "
+                    "(half to twice the speed, stops, carried elsewhere once), replaced (30 % of "
+                    "the pictures from elsewhere), gap (a quarter of the route missing in the "
+                    "map), off-route (leaves the route halfway)")
+        ->delimiter(',')
+        ->check(CLI::IsMember(eval::drive_keys()).description(""))
+        ->type_name("NAME");
 }
 
 void add_output_options(CLI::App &command, EvalOptions &o)
@@ -305,7 +332,8 @@ void add_eval(CLI::App &app)
         "  vdna eval runs/ --tolerance 5 --json result.json\n"
         "  vdna eval nordland/ --protocol nordland --backbone cosplace_resnet101_128\n"
         "  vdna eval runs/ --ablate bins --bins 10,100,1000\n"
-        "  vdna eval runs/ --localisers nn,filter,seqslam,all --html report.html");
+        "  vdna eval runs/ --localisers nn,filter,seqslam,all --html report.html\n"
+        "  vdna eval runs/ --localisers nn,filter --drives plain,varied,replaced,gap,off-route");
     command->callback([options, command] {
         options->command_line = command_line_of(*command);
         run(*options);

@@ -5,6 +5,7 @@
 #include <vdna/cpp/map.hpp>
 #include <vdna/localise.h>
 
+#include "program/decimal.hpp"
 #include "program/print.hpp"
 #include "record/candidates.hpp"
 #include "record/localisation.hpp"
@@ -271,13 +272,13 @@ void add_localise(CLI::App &app)
     command
         ->add_option("--min-confidence", options->min_confidence,
                      "answers of less confidence count as unsure")
-        ->check(within(0, 1))
+        ->check(program::within(0, 1))
         ->type_name("0..1")
         ->capture_default_str();
     command
         ->add_option("--tolerance", options->tolerance,
                      "a match is good within T places, or metres if both sides have positions")
-        ->check(CLI::Validator(CLI::NonNegativeNumber).description(""))
+        ->check(program::within(0, 1e9))
         ->type_name("T")
         ->capture_default_str();
     command

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "frames/iso_time.hpp"
+#include "program/decimal.hpp"
 #include "program/exit_code.hpp"
 #include "record/ranges.hpp"
 
@@ -23,14 +24,12 @@ int64_t parse_offset(const std::string &text)
     constexpr double longest_s = 1e11; // 3000 years
     if (const std::optional<int64_t> utime = frames::utime_of_iso(text))
         return *utime;
-    double seconds = 0;
-    const char *end = text.data() + text.size();
-    const auto result = std::from_chars(text.data(), end, seconds);
-    if (result.ec != std::errc() || result.ptr != end || !(std::abs(seconds) <= longest_s))
+    const std::optional<double> seconds = program::decimal(text);
+    if (!seconds || std::abs(*seconds) > longest_s)
         throw program::UsageError("--time-offset " + text +
                                   ": expected seconds, as in -3.5, or a time, as in "
                                   "2024-05-01T12:00:00Z");
-    return std::llround(seconds * 1e6);
+    return std::llround(*seconds * 1e6);
 }
 
 } // namespace
@@ -60,7 +59,7 @@ void add_source_options(CLI::App &command, frames::SourceOptions &options)
     command
         .add_option("--rate", options.rate_hz,
                     "frames per second of pictures and videos that have no times")
-        ->check(CLI::Validator(CLI::PositiveNumber).description(""))
+        ->check(program::within(1e-6, 1e6))
         ->type_name("HZ")
         ->capture_default_str();
     command.add_option("--camera", options.camera, "camera channel of an LCM log")
@@ -92,7 +91,7 @@ void add_time_options(CLI::App &command, frames::SourceOptions &options)
         .add_option("--late", options.late_s,
                     "leave out a frame up to this much older than the newest; an older one is a "
                     "step back of camera time")
-        ->check(CLI::Range(0.0, 1e6).description(""))
+        ->check(program::within(0, 1e6))
         ->type_name("SECONDS")
         ->capture_default_str();
 }
@@ -156,7 +155,7 @@ void add_track_options(CLI::App &command, frames::SourceOptions &options)
     command
         .add_option("--gps-gap", options.gps_gap_s,
                     "frames between two fixes of a track that are further apart have no position")
-        ->check(within(0.001, 3600))
+        ->check(program::within(0.001, 3600))
         ->type_name("SECONDS")
         ->capture_default_str();
     command
@@ -180,19 +179,6 @@ void add_range_rule_option(CLI::App &command, uint32_t &rule)
         ->transform(CLI::CheckedTransformer(rules).description(""))
         ->type_name("midpoint|zero")
         ->default_str(record::range_rules[rule]);
-}
-
-CLI::Validator within(double lo, double hi)
-{
-    const auto check = [lo, hi](const std::string &text) -> std::string {
-        double value = 0;
-        if (CLI::detail::lexical_cast(text, value) && value >= lo && value <= hi)
-            return "";
-        char range[64];
-        std::snprintf(range, sizeof range, " is not in %g..%g", lo, hi);
-        return text + range;
-    };
-    return CLI::Validator(check, "");
 }
 
 PictureSize parse_size(const std::string &text, uint32_t least, uint32_t most,

@@ -48,9 +48,6 @@ void add_altitude_option(CLI::App &command, bool &with_altitude);
 // --range-rule; rule: VDNA_RANGE_ABOUT_...
 void add_range_rule_option(CLI::App &command, uint32_t &rule);
 
-// Like CLI::Range, but refuses "nan".
-CLI::Validator within(double lo, double hi);
-
 // The size of a picture, in pixels.
 struct PictureSize {
     uint32_t width, height;

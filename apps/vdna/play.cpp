@@ -5,6 +5,7 @@
 #include "frames/camera_image.hpp"
 #include "frames/source.hpp"
 #include "program/clock.hpp"
+#include "program/decimal.hpp"
 #include "program/progress.hpp"
 #include "vdna/camera_channel.hpp"
 #include "vdna/commands.hpp"
@@ -95,7 +96,7 @@ void add_play(CLI::App &app)
         ->type_name("SOURCE");
     command->add_option("--rate", options->reading.rate_hz, "frames per second")
         ->type_name("HZ")
-        ->check(CLI::Range(0.01, 10000.0))
+        ->check(program::within(0.01, 10000))
         ->capture_default_str();
     command->add_option("--channel", options->reading.camera, "channel to send on")
         ->capture_default_str();

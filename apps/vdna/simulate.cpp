@@ -3,6 +3,7 @@
 
 #include <vdna/cpp/error.hpp>
 
+#include "program/decimal.hpp"
 #include "simulate/recording.hpp"
 #include "vdna/commands.hpp"
 #include "vdna/options.hpp"
@@ -51,22 +52,22 @@ std::string condition_names()
 void add_drive_options(CLI::App &command, simulate::DriveConfig &drive)
 {
     command.add_option("--start", drive.start_m, "where the drive begins, metres along the route")
-        ->check(within(-1e6, 1e6))
+        ->check(program::within(-1e6, 1e6))
         ->type_name("M")
         ->capture_default_str();
     command.add_option("--step", drive.step_m, "metres from frame to frame")
-        ->check(within(1e-3, 1e3))
+        ->check(program::within(1e-3, 1e3))
         ->type_name("M")
         ->capture_default_str();
     command.add_option("--rate", drive.rate_hz, "frames per second, for the time stamps")
-        ->check(within(1e-3, 1e3))
+        ->check(program::within(1e-3, 1e3))
         ->type_name("HZ")
         ->capture_default_str();
     command
         .add_option("--variation", drive.variation,
                     "deviation of this drive from the condition's plain look, the middle of the "
                     "path and the step")
-        ->check(within(0, 1))
+        ->check(program::within(0, 1))
         ->type_name("0..1")
         ->capture_default_str();
     command.add_option("--drive", drive.seed, "seed of this drive's random numbers")

@@ -16,6 +16,7 @@
 #include <vdna/listener.h>
 #include <vdna/transport.h>
 
+#include "program/decimal.hpp"
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
 #include "telemetry/message_text.hpp"
@@ -226,7 +227,7 @@ void add_watch(CLI::App &app)
         ->excludes(json);
     command->add_option("--for", options->seconds, "end after this time")
         ->type_name("SECONDS")
-        ->check(CLI::Range(0.001, 1e9));
+        ->check(program::within(0.001, 1e9));
     command
         ->add_option("--until", options->until,
                      "end after a ranking, or after N localisations; exit 1 if --for ends first")

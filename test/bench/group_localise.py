@@ -1,4 +1,5 @@
-"""A frame of the localiser, the step of its filter included, beside a search for the nearest row alone.
+"""A frame of the localiser, the step of its filter included, beside a search for the nearest row alone, which is
+all that one fused map costs, and beside SeqSLAM.
 
 Every function yields (name, unit, units in a second, result of compare(), more numbers)."""
 import ctypes
@@ -49,9 +50,11 @@ def localise(context, rows, dim, inference):
         for address in addresses:
             lib.vdna_localise_feed(handle, address, out)
 
+    seqslam = SeqSlam(frames)
     match = np.empty(1, np.dtype(KnnMatch))
     nearest = addresses[0], dim, frames.ctypes.data, rows, 1, match.ctypes.data
-    peers = {"vdna_knn, the nearest alone": lambda: [lib.vdna_knn(*nearest) for _ in live]}
+    peers = {"vdna_knn, the nearest alone": lambda: [lib.vdna_knn(*nearest) for _ in live],
+             "SeqSLAM in NumPy": lambda: [seqslam.step(frame) for frame in live]}
     if context.peers.faiss:
         index = context.peers.faiss.IndexFlatL2(dim)
         index.add(frames)
@@ -60,3 +63,27 @@ def localise(context, rows, dim, inference):
     timed = scaled(compare(ours, peers, context.seconds), LIVE)
     more = {"of_an_inference_percent": 100 * timed["median"] / inference} if inference else {}
     return f"localise {rows}x{dim}", "us", 1e6, timed, more
+
+
+class SeqSlam:
+    """The frame at the end of the best line of 10 frames, as `vdna eval` has it; one frame at a time."""
+
+    def __init__(self, frames):
+        self.frames, self.norms = frames, (frames ** 2).sum(axis=1)
+        index = np.arange(len(frames))
+        begin, self.end = np.maximum(index - 5, 0), np.minimum(index + 6, len(frames))
+        self.begin, self.count = begin, self.end - begin
+        self.lines = [[np.maximum(index - (v * back + 5) // 10, 0) for back in range(10)]
+                      for v in (8, 9, 10, 11, 12)]
+        self.rows = []
+
+    def step(self, live):
+        squared = self.norms - 2 * (self.frames @ live) + live @ live
+        distances = np.sqrt(np.maximum(squared, 0))
+        sums, squares = (np.concatenate([[0], np.cumsum(x, dtype=np.float64)])
+                         for x in (distances, distances ** 2))
+        mean, square = ((x[self.end] - x[self.begin]) / self.count for x in (sums, squares))
+        contrast = (distances - mean) / np.sqrt(np.maximum(square - mean ** 2, 1e-12))
+        self.rows = [contrast, *self.rows[:9]]
+        return min((np.sum([row[at] for row, at in zip(self.rows, line)], axis=0)
+                    for line in self.lines), key=np.min).argmin()

@@ -671,6 +671,20 @@ class CommandLine(Scratch):
                           ("localise", "a", "map", "--min-confidence", 1.1)):
             self.refused(*arguments, code=2)
 
+    def test_numbers_are_finite_and_decimal(self):
+        for text in ("nan", "inf", "-inf", "1e999", "0x1p3", "0x10", "1,5", "", "1 ", "five"):
+            for arguments in (("build", "map", "a", "--rate"), ("build", "map", "a", "--late"),
+                              ("build", "map", "a", "--gps-gap"),
+                              ("build", "map", "a", "--time-offset"),
+                              ("localise", "a", "map", "--tolerance"),
+                              ("localise", "a", "map", "--min-confidence"),
+                              ("eval", "a", "--rate"), ("eval", "a", "--tolerance"),
+                              ("simulate", "a", "--step"), ("simulate", "a", "--variation"),
+                              ("play", "a", "--rate"), ("camera", "a", "--rate"),
+                              ("watch", "--for"), ("rank", "a", "map", "--rate")):
+                said = self.refused(*arguments, text, code=2)
+                self.assertIn(text, said)
+
     def test_a_full_disk_under_the_report_is_an_error(self):
         with open("/dev/full", "w", encoding="ascii") as full:
             done = subprocess.run([str(VDNA), "--help"], stdout=full, stderr=subprocess.PIPE,

@@ -430,6 +430,25 @@ class Results(OwnSet):
         self.assertEqual(np.load(self.folder / "npy/recall_seqslam.npy").shape, (3, 3))
         self.assertEqual(np.load(self.folder / "npy/recall_fused.npy").shape, (3,))
 
+    def test_drives_have_a_row_for_each_localiser(self):
+        drives = ["plain", "varied", "replaced", "gap", "off-route"]
+        options = ("--localisers", "nn,filter,filter_top2,fused_filter", "--drives",
+                   "off-route,gap,replaced,varied,plain", "--tolerance", 1)
+        result = self.evaluate(self.dataset, *options)
+        self.assertEqual(list(result["drives"]), drives)
+        localisers = result["localisers"]
+        for name, plain in result["drives"]["plain"].items():
+            self.assertEqual(plain, {key: localisers[name][key] for key in plain}, name)
+        for drive in drives:
+            filtered = result["drives"][drive]["filter"]
+            self.assertEqual("off_route" in filtered["mean"], drive in ("gap", "off-route"), drive)
+            self.assertIn("confidence", filtered["first_choice"])
+        self.assertEqual(self.evaluate(self.dataset, *options)["drives"], result["drives"])
+        done = vdna("eval", self.dataset, "--cache", self.cache, "--drives", "gap", "--tolerance", 1)
+        self.assertRegex(done.stdout, r"\ngap    nn         first choice  \d")
+        self.assertRegex(self.refused(self.dataset, "--drives", "flight", code=2),
+                         "plain.*varied.*replaced.*gap.*off-route")
+
     def test_an_ablation_has_a_row_for_each_value(self):
         result = self.evaluate(self.dataset, "--ablate", "bins,warmup,tap,leave-one-out", "--bins",
                                "10,1000", "--warmup", "3,4")

@@ -7,6 +7,8 @@ import sys
 import numpy as np
 import pytest
 
+from conftest import small_experience
+
 from libvdna import PLACE_NONE, Gear, Localiser, Status, VdnaError
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "test" / "golden"))
@@ -31,6 +33,35 @@ def test_it_follows_a_robot():
     assert answer.confidence > 0.9 and answer.mass > 0.99 and answer.moving
     stood = localiser.feed(look(place, 0.7))
     assert stood == answer._replace(moving=False)
+
+
+def two_laps(**changes):
+    """An experience that drives a circle of 60 m twice, and looks alike in both laps."""
+    turns = 2 * np.pi * np.arange(2 * FRAMES) / FRAMES
+    circle = 60 / (2 * np.pi) * np.array([np.cos(turns), np.sin(turns), 0 * turns]).T
+    frames = 2 * FRAMES
+    fields = {
+        "embeddings": np.concatenate([ROUTE, ROUTE]),
+        "frame_utime": np.arange(frames),
+        "frame_grey": np.zeros(frames, np.float32),
+        "frame_place": None,
+        "frame_position": circle,
+        "embedding": "grid 3x3 centred",
+    }
+    return small_experience(**{**fields, **changes})
+
+
+def test_a_spot_that_is_passed_again_is_one_place():
+    def mass(experience):
+        localiser = Localiser.of(experience, tolerance=3)
+        for place in range(20, 45):
+            answer = localiser.feed(look(place, 0.7))
+        assert abs(answer.frame % FRAMES - 44) <= 3
+        return answer.mass
+
+    assert mass(two_laps()) > 0.9 > 0.6 > mass(two_laps(frame_position=None))
+    with pytest.raises(VdnaError, match="invalid argument"):
+        Localiser.of(two_laps(), tolerance=-1)
 
 
 def test_the_filter_is_that_of_the_definition():

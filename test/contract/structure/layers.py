@@ -19,11 +19,12 @@ ROOMS = {
     "lib/picture": (3, ["lib/core", "lib/fail"]),
     "lib/replace": (3, ["lib/core", "lib/fail"]),
     "lib/backbone": (4, ["lib/core", "lib/fail", "lib/identity", "lib/picture"]),
-    "lib/map": (4, ["lib/core", "lib/fail", "lib/identity", "lib/replace"]),
+    "lib/map": (4, ["lib/core", "lib/fail", "lib/geodesy", "lib/identity", "lib/localise",
+                    "lib/replace"]),
     "lib/select": (3, ["lib/core", "lib/localise"]),
     "lib/transport": (3, ["lib/core", "lib/fail"]),
-    "lib/cpp": (5, ["lib/backbone", "lib/core", "lib/geodesy", "lib/identity", "lib/localise",
-                    "lib/map", "lib/select", "lib/transport"]),
+    "lib/cpp": (5, ["lib/backbone", "lib/core", "lib/identity", "lib/localise", "lib/map",
+                    "lib/select", "lib/transport"]),
     "apps/program": (6, ["lib/cpp", "lib/replace"]),
     "apps/frames": (7, ["apps/program", "lib/core", "lib/cpp", "lib/fail", "lib/geodesy",
                         "lib/identity", "lib/map", "lib/picture",
@@ -46,7 +47,7 @@ ROOMS = {
 # The public headers of rooms whose name they do not bear.
 CORE_HEADERS = "activation camera_time emd hist image int8 knn range rank status version window"
 HEADERS = {**{name: "lib/core" for name in CORE_HEADERS.split()},
-           "listener": "lib/transport", "message": "lib/transport"}
+           "experience_localise": "lib/map", "listener": "lib/transport", "message": "lib/transport"}
 UMBRELLA = "vdna"
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)

@@ -54,6 +54,20 @@ void one_part_is_its_own_fused_map_without_its_unlabelled_frames(void **)
     assert_int_equal(eval::fused({&none}, 1, 100, false).frames, 0);
 }
 
+void parts_are_shifted_to_the_mean_of_their_means(void **)
+{
+    // Means 2 and 10, so 6.
+    std::vector<record::Recording> parts = {part_of({0, 1}, {1, 3}), part_of({0}, {10})};
+    eval::give_one_mean(parts, 1);
+    assert_true(parts[0].embeddings == std::vector<float>({5, 7}));
+    assert_true(parts[1].embeddings == std::vector<float>({6}));
+    // Two dimensions, each with a mean of its own.
+    parts = {part_of({0}, {1, 20}), part_of({0}, {3, 40})};
+    eval::give_one_mean(parts, 2);
+    assert_true(parts[0].embeddings == std::vector<float>({2, 30}));
+    assert_true(parts[1].embeddings == parts[0].embeddings);
+}
+
 void positions_align_parts_as_well(void **)
 {
     const double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -77,6 +91,7 @@ int main()
         cmocka_unit_test(of_two_frames_within_tolerance_the_nearest_counts_and_the_first_of_equals),
         cmocka_unit_test(frames_beyond_all_places_are_places_of_their_own),
         cmocka_unit_test(one_part_is_its_own_fused_map_without_its_unlabelled_frames),
+        cmocka_unit_test(parts_are_shifted_to_the_mean_of_their_means),
         cmocka_unit_test(positions_align_parts_as_well),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

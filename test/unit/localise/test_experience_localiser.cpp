@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <vdna/cpp/experience_localiser.hpp>
+#include <vdna/geodesy.h>
 
 #include "cmocka.hpp"
 
@@ -206,6 +207,37 @@ void one_frame_or_no_label_leaves_two_frames_of_tolerance(void **)
     assert_true(places_of(unlabelled, 5).number.empty());
 }
 
+void what_makes_no_sense_is_refused_and_changes_nothing(void **)
+{
+    vdna_experience experience{};
+    experience.frames = 3;
+    int64_t place[3];
+    vdna_localise_config config;
+    vdna_localise_config_init(&config);
+    config.tolerance = 77;
+    for (const double tolerance : {-1.0, nan_m, HUGE_VAL})
+        assert_int_equal(vdna_experience_localise_config(&experience, tolerance, place, &config),
+                         VDNA_ERR_ARG);
+    assert_int_equal(vdna_experience_localise_config(nullptr, 1, place, &config), VDNA_ERR_ARG);
+    assert_int_equal(vdna_experience_localise_config(&experience, 1, nullptr, &config),
+                     VDNA_ERR_ARG);
+    assert_int_equal(vdna_experience_localise_config(&experience, 1, place, nullptr), VDNA_ERR_ARG);
+    experience.frames = 0;
+    assert_int_equal(vdna_experience_localise_config(&experience, 1, place, &config), VDNA_ERR_ARG);
+    assert_int_equal(config.tolerance, 77);
+}
+
+void spots_beyond_what_an_integer_counts_are_places_too(void **)
+{
+    Route route;
+    for (int lap = 0; lap < 2; lap++)
+        for (int i = 0; i < 20; i++)
+            route.add(1e150 * (i % 2 ? 1 : -1), 1e17 * i);
+    const Places places = route.places(1);
+    for (size_t i = 0; i < 20; i++)
+        assert_int_equal(places.number[20 + i], i);
+}
+
 // Processor time to number the frames of a robot that drives through `spots` of 1 m and stands in
 // each, the least of three.
 double time_for(int frames, int spots)
@@ -290,7 +322,7 @@ void distances_are_about_the_means_if_the_embeddings_are_made_for_that(void **)
     looks.map.identity.embedding[0] = '\0';
     assert_true(mean_of() == 0);
     assert_true(std::abs(looks.last_answer().confidence - confidence) > 1e-3);
-    vdna::ExperienceLocaliser chosen(looks.map, 2, true);
+    vdna::ExperienceLocaliser chosen(looks.map, 2);
     assert_true(chosen.memory_size() > size_t{200} * 8 * 2);
 }
 
@@ -310,6 +342,8 @@ int main()
         cmocka_unit_test(positions_count_horizontally),
         cmocka_unit_test(place_numbers_are_taken_as_they_are),
         cmocka_unit_test(one_frame_or_no_label_leaves_two_frames_of_tolerance),
+        cmocka_unit_test(what_makes_no_sense_is_refused_and_changes_nothing),
+        cmocka_unit_test(spots_beyond_what_an_integer_counts_are_places_too),
         cmocka_unit_test(the_time_is_linear_in_the_frames),
         cmocka_unit_test(places_and_not_frames_have_the_mass),
         cmocka_unit_test(distances_are_about_the_means_if_the_embeddings_are_made_for_that),

@@ -31,14 +31,18 @@ struct Fixture {
         eval::LocaliserResult nn, fused;
         nn.name = "nn";
         nn.recall = evaluation.recall;
-        nn.mean = nn.chosen = {50, 40, 60};
+        nn.mean.recall = nn.chosen.recall = {50, 40, 60};
         fused.name = "fused";
         fused.in_each = false;
         fused.recall = {80, 90};
-        fused.mean = fused.chosen = {85, NAN, NAN};
-        fused.confidence =
+        fused.mean.recall = fused.chosen.recall = {85, NAN, NAN};
+        fused.mean.confidence =
             eval::judge_confidence({{0.97, true}, {0.93, true}, {0.3, true}, {0.2, false}});
         evaluation.localisers = {nn, fused};
+        fused.drive = nn.drive = "gap";
+        nn.chosen.recall = {30, 20, 40};
+        fused.mean.off_route = eval::Mean{4, 1, 7};
+        evaluation.drives = {nn, fused};
     }
 };
 
@@ -78,13 +82,45 @@ void json_has_each_recall_once_and_the_confidence_of_those_with_one(void **)
     assert_true(json["nn"]["recall"]["a"] == program::Json({{"b", 40.0}}));
     assert_true(json["fused"]["recall"]["b"] == program::Json({{"all", 90.0}}));
     assert_true(json["nn"]["mean"]["low"] == 40.0);
-    assert_false(json["nn"].contains("confidence"));
-    const program::Json &confidence = json["fused"]["confidence"];
+    assert_false(json["nn"]["mean"].contains("confidence"));
+    const program::Json &confidence = json["fused"]["mean"]["confidence"];
     assert_true(confidence["auroc"] == 1.0);
     assert_int_equal(confidence["reliability"].size(), 10);
     assert_true(confidence["reliability"][9]["answers"] == 2);
     assert_true(confidence["thresholds"][6]["confidence"] == 0.96);
     assert_true(confidence["thresholds"][6]["kept_percent"] == 100 * (1.0 / 3));
+}
+
+void drives_have_a_row_for_each_score(void **)
+{
+    Fixture f;
+    const std::string text = report::localiser_tables(f.evaluation);
+    assert_true(contains(text, "at a confidence of at least 0.96\n"));
+    assert_true(contains(text, "\ngap    nn         each          50.00 (40.00 to 60.00)"));
+    assert_true(contains(text, "\ngap    nn         first choice  30.00 (20.00 to 40.00)"));
+    assert_true(contains(text, "\ngap    fused      together      85.00                   1.000  "
+                               "100.00       33.33   4.00 (1.00 to 7.00)\n"));
+    const std::string html = report::localisers_section(f.evaluation);
+    assert_true(contains(html, "<td>first choice</td><td class=\"number\">30.00"));
+    assert_true(contains(html, "4.00 (1.00 to 7.00)</td></tr>"));
+    f.evaluation.drives.clear();
+    assert_false(contains(report::localiser_tables(f.evaluation), "Drives"));
+    assert_false(contains(report::localisers_section(f.evaluation), "Disturbed"));
+}
+
+void json_has_the_drives_by_name(void **)
+{
+    Fixture f;
+    const program::Json json = report::json_of(f.evaluation, {})["drives"]["gap"];
+    assert_true(json["nn"]["first_choice"] ==
+                program::Json({{"recall", 30.0}, {"low", 20.0}, {"high", 40.0}}));
+    assert_true(
+        json["fused"]["mean"]["off_route"] ==
+        program::Json(
+            {{"confidence", 0.96}, {"answered_percent", 4.0}, {"low", 1.0}, {"high", 7.0}}));
+    assert_true(json["fused"]["mean"]["confidence"]["auroc"] == 1.0);
+    f.evaluation.drives.clear();
+    assert_false(report::json_of(f.evaluation, {}).contains("drives"));
 }
 
 void csv_has_a_column_for_those_beyond_the_usual(void **)
@@ -115,6 +151,8 @@ int main()
         cmocka_unit_test(the_text_has_means_recalls_and_confidences),
         cmocka_unit_test(recalls_that_other_tables_have_are_not_repeated),
         cmocka_unit_test(json_has_each_recall_once_and_the_confidence_of_those_with_one),
+        cmocka_unit_test(drives_have_a_row_for_each_score),
+        cmocka_unit_test(json_has_the_drives_by_name),
         cmocka_unit_test(csv_has_a_column_for_those_beyond_the_usual),
         cmocka_unit_test(the_page_has_a_curve_and_a_table_for_a_confidence),
     };

@@ -346,6 +346,12 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
             POINTER(RankPlace),
         ),
         "vdna_knn": (address, c_uint32, address, c_uint32, c_uint32, address),
+        "vdna_experience_localise_config": (
+            POINTER(ExperienceFile),
+            c_double,
+            address,
+            POINTER(LocaliseConfig),
+        ),
         "vdna_localise_map_init": (POINTER(LocaliseMapConfig), address, size, POINTER(c_void_p)),
         "vdna_localise_init": (POINTER(LocaliseConfig), address, size, POINTER(c_void_p)),
         "vdna_localise_warm_up": (address, address),

@@ -243,6 +243,11 @@ class Experience:
         return self._file.comparable.decode() or None
 
     @property
+    def struct(self) -> ExperienceFile:
+        """The C struct, as long as this object lives."""
+        return self._file
+
+    @property
     def frames(self) -> int:
         """Number of frames."""
         return len(self._embeddings)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import UINT32_MAX, block, floats, integer, integers, shaped, view
 from ._library import GearFields, LocaliseAnswer, LocaliseConfig, LocaliseMapConfig, lib
+from .experience import Experience
 
 _GEAR_SHARES = 6
 
@@ -107,6 +108,28 @@ class Localiser:
         self._localise = c_void_p()  # within `memory`
         lib.vdna_localise_init(config, memory.ctypes.data, memory.nbytes, self._localise)
         self._owner = (map_memory, memory)
+
+    @classmethod
+    def of(cls, experience: Experience, tolerance: float = 5.0) -> Localiser:
+        """A localiser in an experience, by places that fit it: a spot that the route passes again is
+        one place. vdna/experience_localise.h has the definition.
+
+        tolerance: within which a match is good: metres if the experience has positions, else place
+                   numbers
+        """
+        place = np.empty(experience.frames, np.int64)
+        config = LocaliseConfig()
+        lib.vdna_localise_config_init(config)
+        lib.vdna_experience_localise_config(
+            experience.struct, float(tolerance), place.ctypes.data, config
+        )
+        return cls(
+            experience.embeddings,
+            tolerance=config.tolerance,
+            places=place if config.place else None,
+            centred=experience.identity.is_centred,
+            confidence=tuple(config.confidence),
+        )
 
     def _places(self, places: ArrayLike) -> NDArray[np.int64]:
         return shaped(integers(places, "places", np.int64), (self._frames,), "places")
