@@ -2,30 +2,60 @@
 #ifndef VDNA_CONNECTION_H
 #define VDNA_CONNECTION_H
 
+#include "multicast.h"
 #include "network.h"
+
+/* Senders whose newest frames are kept apart, so that none drowns another: the one that has been
+ * there longest, and all others together. */
+#define VDNA_TRANSPORT_LANES 2u
+
+/* The newest frame of a lane. */
+typedef struct vdna_transport_lane {
+    bool is_waiting;
+    uint64_t source;            /* who sent it, and under which number */
+    uint32_t sequence;          /* both 0 if it came through LCM */
+    uint32_t slot;              /* where its bytes are held, if it came through our receiver */
+    vdna_transport_frame frame; /* its picture is there, or in `picture` */
+} vdna_transport_lane;
 
 struct vdna_transport {
     vdna_network network;
+    vdna_multicast *receiver; /* NULL = messages come through LCM */
     channel_name camera, command;
     vdna_transport_counters counters;
 
     /* Results of the current poll. */
     uint32_t events;
-    uint32_t arrived;           /* messages on our channels */
-    uint64_t unanswered;        /* frames dropped since the last one handed out */
-    vdna_transport_frame frame; /* its picture is in `picture` */
-    uint8_t *picture;
-    size_t picture_size; /* bytes allocated */
+    uint32_t arrived;    /* messages on our channels */
+    uint64_t unanswered; /* frames dropped since the last one handed out */
+
+    /* Frames. */
+    vdna_transport_lane lanes[VDNA_TRANSPORT_LANES];
+    uint64_t first_source;     /* whose the first lane is */
+    int64_t first_received_us; /* its newest message */
+    uint32_t served;           /* the lane handed out last */
+    uint32_t lent_slot;        /* of its frame; VDNA_REASSEMBLY_SLOTS = none */
+    uint32_t picture_max;      /* max_image_bytes */
+    uint8_t *picture;          /* [picture_max]; NULL = frames stay in the receiver's slots */
 
     /* The message being published, encoded. */
     uint8_t *message;
     size_t message_size; /* bytes allocated */
 
     /* Other channels, see overhear.c. */
-    lcm_subscription_t *overhearing; /* NULL = not now */
+    bool is_overhearing;
+    lcm_subscription_t *overhearing; /* NULL = not now, or not through LCM */
     vdna_transport_overheard overheard[VDNA_TRANSPORT_OVERHEARD_MAX];
     uint32_t overheard_count;
 };
+
+/* A message that came in, of whatever way. */
+typedef struct vdna_transport_incoming {
+    const uint8_t *data;
+    size_t size; /* bytes there */
+    int64_t received_us;
+    const vdna_arrival *arrival; /* NULL = through LCM */
+} vdna_transport_incoming;
 
 /* Messages of other channels that LCM queues. Few, because each may be as large as a picture;
  * enough while we are waiting and so take them at once. */
@@ -37,5 +67,9 @@ vdna_status vdna_transport_reserve(vdna_transport *transport, size_t size);
 
 /* Subscribe to the camera and command channels that are used. */
 vdna_status vdna_transport_subscribe(vdna_transport *transport, vdna_error *error);
+
+/* Note the beginning of a message on another channel, if that is wanted. */
+void vdna_transport_note(vdna_transport *transport, const char *channel,
+                         const vdna_transport_incoming *message);
 
 #endif

@@ -10,6 +10,7 @@
 #include <time.h>
 
 #include "log_file.h"
+#include "url.h"
 
 #define SCHEME "file://"
 
@@ -27,16 +28,6 @@ struct vdna_log {
     uint8_t *data;
     size_t capacity; /* bytes allocated for `data` */
 };
-
-/* The value of an option in a URL; NULL = not given. */
-static const char *option(const char *url, const char *name)
-{
-    const size_t length = strlen(name);
-    for (const char *at = strchr(url, '?'); at; at = strchr(at + 1, '&'))
-        if (strncmp(at + 1, name, length) == 0 && at[1 + length] == '=')
-            return at + 1 + length + 1;
-    return NULL;
-}
 
 static FILE *open_file(const char *url)
 {
@@ -68,7 +59,7 @@ vdna_log *vdna_log_open(const char *url)
             fclose(file);
         return NULL;
     }
-    const char *speed = option(url, "speed"), *start = option(url, "start_timestamp");
+    const char *speed = url_option(url, "speed"), *start = url_option(url, "start_timestamp");
     log->file = (vdna_log_file){file, (uint64_t)about.st_size, 0};
     log->speed = speed ? strtod(speed, NULL) : 1;
     log->start_us = start ? strtoll(start, NULL, 10) : INT64_MIN;

@@ -7,6 +7,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "url.h"
+
 #if VDNA_CHANNEL_BYTES_MAX != LCM_MAX_CHANNEL_NAME_LENGTH
 #error "vdna/transport.h states another limit of channel names than lcm/lcm.h"
 #endif
@@ -29,33 +31,28 @@ vdna_status vdna_transport_check_channel(const char *name, vdna_error *error)
     return VDNA_OK;
 }
 
-/* The URL that LCM will use, by LCM's own rule. */
-static const char *effective_url(const char *url)
+/* see network.h */
+const char *vdna_network_url(const char *url)
 {
     if (!url || !*url)
         url = getenv("LCM_DEFAULT_URL");
     return url && *url ? url : VDNA_LCM_URL;
 }
 
-static bool has_scheme(const char *url, const char *scheme)
-{
-    return strncmp(url, scheme, strlen(scheme)) == 0;
-}
-
 /* see vdna/transport.h */
 int32_t vdna_transport_is_log(const char *configured_url)
 {
-    const char *url = effective_url(configured_url);
+    const char *url = vdna_network_url(configured_url);
     const char *options = strchr(url, '?');
     const bool written = options && (strstr(options, "mode=w") || strstr(options, "mode=a"));
-    return has_scheme(url, "file://") && !written;
+    return url_has_scheme(url, "file://") && !written;
 }
 
 /* see network.h */
 vdna_status vdna_network_open(vdna_network *out_network, const char *configured_url,
                               vdna_error *error)
 {
-    const char *url = effective_url(configured_url);
+    const char *url = vdna_network_url(configured_url);
     vdna_network opened = {NULL, NULL};
     if (vdna_transport_is_log(url)) {
         opened.log = vdna_log_open(url);
@@ -71,7 +68,7 @@ vdna_status vdna_network_open(vdna_network *out_network, const char *configured_
         return VDNA_OK;
     }
     vdna_log_close(opened.log);
-    if (has_scheme(url, "udpm://"))
+    if (url_has_scheme(url, "udpm://"))
         return vdna_fail(error, VDNA_ERR_IO,
                          "%.200s: LCM cannot use this network; expected a URL such as " VDNA_LCM_URL
                          "; " VDNA_LCM_REMEDY,
@@ -181,13 +178,16 @@ static int64_t clock_us(clockid_t clock)
 }
 
 /* see network.h
- * LCM stamps a message with the wall clock, which may have been set meanwhile: treat an impossible
- * wait as zero. */
+ * The wall clock may have been set meanwhile: treat an impossible wait as zero. */
+int64_t vdna_network_monotonic_us(int64_t stamp_us)
+{
+    const int64_t queued = clock_us(CLOCK_REALTIME) - stamp_us;
+    const int64_t now = clock_us(CLOCK_MONOTONIC);
+    return queued < 0 || queued > QUEUED_MAX_US ? now : now - queued;
+}
+
+/* see network.h */
 int64_t vdna_network_received_us(const vdna_network *network, const lcm_recv_buf_t *message)
 {
-    const int64_t queued = clock_us(CLOCK_REALTIME) - message->recv_utime;
-    const int64_t now = clock_us(CLOCK_MONOTONIC);
-    if (network->log || queued < 0 || queued > QUEUED_MAX_US)
-        return now;
-    return now - queued;
+    return vdna_network_monotonic_us(network->log ? 0 : message->recv_utime);
 }

@@ -17,6 +17,9 @@ typedef struct vdna_network {
 /* A literal channel name; empty = not used. */
 typedef char channel_name[VDNA_CHANNEL_BYTES_MAX + 1];
 
+/* The URL that is meant, by LCM's own rule: the given one, $LCM_DEFAULT_URL or LCM's default. */
+const char *vdna_network_url(const char *url);
+
 /* Connect. url: as in vdna_transport_config. */
 vdna_status vdna_network_open(vdna_network *out_network, const char *url, vdna_error *error);
 
@@ -45,6 +48,10 @@ int vdna_network_take_one(const vdna_network *network, int32_t timeout_ms);
 
 /* What a poll returns after that. */
 vdna_status vdna_network_end(const vdna_network *network);
+
+/* A stamp of the wall clock, in microseconds, by CLOCK_MONOTONIC. The present if it is no recent
+ * one. */
+int64_t vdna_network_monotonic_us(int64_t stamp_us);
 
 /* When a message came off the socket, by CLOCK_MONOTONIC in microseconds; of a log, when it was
  * read. */

@@ -34,44 +34,63 @@ static vdna_transport_overheard *entry_of(vdna_transport *transport, const char 
     return entry;
 }
 
-/* LCM calls this for each message of the network. A log may have longer channel names than LCM
- * allows; nobody could subscribe to those. */
-static void on_any(const lcm_recv_buf_t *message, const char *channel, void *context)
+/* see connection.h */
+void vdna_transport_note(vdna_transport *transport, const char *channel,
+                         const vdna_transport_incoming *message)
 {
-    vdna_transport *transport = context;
-    if (strcmp(channel, transport->camera) == 0 || strcmp(channel, transport->command) == 0 ||
-        vdna_transport_check_channel(channel, NULL) != VDNA_OK)
+    if (!transport->is_overhearing)
         return;
-
-    const uint64_t fingerprint = cursor_fingerprint(message->data, message->data_size);
+    const uint64_t fingerprint = cursor_fingerprint(message->data, message->size);
     vdna_transport_overheard *entry = entry_of(transport, channel, fingerprint);
     if (!entry)
         return;
-    entry->last_us = vdna_network_received_us(&transport->network, message);
+    entry->last_us = message->received_us;
     if (entry->messages++ == 0)
         entry->first_us = entry->last_us;
     entry->fingerprint = fingerprint;
 }
 
+/* LCM calls this for each message of the network. A log may have longer channel names than LCM
+ * allows; nobody could subscribe to those. */
+static void on_any(const lcm_recv_buf_t *received, const char *channel, void *context)
+{
+    vdna_transport *transport = context;
+    if (strcmp(channel, transport->camera) == 0 || strcmp(channel, transport->command) == 0 ||
+        vdna_transport_check_channel(channel, NULL) != VDNA_OK)
+        return;
+    const vdna_transport_incoming message = {
+        .data = received->data,
+        .size = received->data_size,
+        .received_us = vdna_network_received_us(&transport->network, received),
+    };
+    vdna_transport_note(transport, channel, &message);
+}
+
+/* Our receiver shows us all channels anyway. */
 static vdna_status begin(vdna_transport *transport)
 {
-    const vdna_status status = vdna_network_subscribe_all(
-        &transport->network, OVERHEARD_QUEUE, on_any, transport, &transport->overhearing);
-    if (status == VDNA_OK)
-        transport->overheard_count = 0;
-    return status;
+    vdna_status status = VDNA_OK;
+    if (!transport->receiver)
+        status = vdna_network_subscribe_all(&transport->network, OVERHEARD_QUEUE, on_any, transport,
+                                            &transport->overhearing);
+    if (status != VDNA_OK)
+        return status;
+    transport->is_overhearing = true;
+    transport->overheard_count = 0;
+    return VDNA_OK;
 }
 
 /* see vdna/transport.h */
 vdna_status vdna_transport_overhear(vdna_transport *transport, uint32_t on)
 {
-    if (!transport || on > 1)
+    if (!transport || on > 1 || (!transport->camera[0] && !transport->command[0]))
         return VDNA_ERR_ARG;
     if (on)
-        return transport->overhearing ? VDNA_OK : begin(transport);
+        return transport->is_overhearing ? VDNA_OK : begin(transport);
     if (transport->overhearing)
         vdna_network_unsubscribe(&transport->network, transport->overhearing);
     transport->overhearing = NULL;
+    transport->is_overhearing = false;
     return VDNA_OK;
 }
 

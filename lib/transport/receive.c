@@ -1,3 +1,4 @@
+#include <time.h>
 #include <vdna_messages.h>
 #include <vdna_msg_command_t.h>
 
@@ -7,61 +8,167 @@
 /* Far more than VDNA_TRANSPORT_QUEUE for each channel: a backlog is always taken whole, yet a flood
  * cannot trap one poll. */
 #define MESSAGES_PER_POLL 256
+/* The same for datagrams: more than a receive buffer of 8 MiB holds of the smallest. */
+#define DATAGRAMS_PER_POLL 16384
+/* A camera message with an empty picture and no metadata. */
+#define IMAGE_FIXED_BYTES 40u
+/* After this time without a message, the first lane is the next sender's. */
+#define FIRST_SOURCE_SILENT_US 1000000
 
-/* LCM calls this for each message on the camera channel; the bytes are LCM's and gone once it
- * returns. */
-static void on_image(const lcm_recv_buf_t *message, const char *channel, void *context)
+/* --- the camera --- */
+
+static void reject_image(vdna_transport *transport, const vdna_transport_incoming *message)
 {
-    (void)channel;
-    vdna_transport *transport = context;
-    vdna_transport_counters *counters = &transport->counters;
-    vdna_transport_frame frame;
-    transport->arrived++;
-    if (vdna_transport_parse_image(message->data, message->data_size, &frame) != VDNA_OK) {
-        counters->rejected++;
-        counters->camera_rejected++;
-        counters->camera_fingerprint = cursor_fingerprint(message->data, message->data_size);
-        return;
-    }
-
-    counters->received++;
-    if (frame.image.size > counters->picture_bytes_max)
-        counters->picture_bytes_max = frame.image.size;
-    if (frame.image.size > transport->picture_size) {
-        counters->oversized++;
-        counters->oversized_bytes = frame.image.size;
-        transport->unanswered++;
-        return;
-    }
-    if (transport->events & VDNA_TRANSPORT_FRAME) {
-        counters->skipped++;
-        transport->unanswered++;
-    }
-
-    memcpy(transport->picture, frame.image.data, frame.image.size);
-    frame.image.data = transport->picture;
-    frame.received_us = vdna_network_received_us(&transport->network, message);
-    transport->events |= VDNA_TRANSPORT_FRAME;
-    transport->frame = frame;
+    transport->counters.rejected++;
+    transport->counters.camera_rejected++;
+    transport->counters.camera_fingerprint = cursor_fingerprint(message->data, message->size);
 }
 
-/* As on_image(), for the command channel. A command that this version does not know is counted
- * and otherwise ignored. */
-static void on_command(const lcm_recv_buf_t *message, const char *channel, void *context)
+static void note_size(vdna_transport *transport, uint64_t picture_bytes)
 {
-    (void)channel;
-    vdna_transport *transport = context;
+    if (picture_bytes > transport->counters.picture_bytes_max)
+        transport->counters.picture_bytes_max = picture_bytes;
+}
+
+static void pass_over_image(vdna_transport *transport, uint64_t picture_bytes)
+{
+    transport->counters.received++;
+    transport->counters.oversized++;
+    transport->counters.oversized_bytes = picture_bytes;
+    transport->unanswered++;
+}
+
+static void skip_image(vdna_transport *transport)
+{
+    transport->counters.received++;
+    transport->counters.skipped++;
+    transport->unanswered++;
+}
+
+/* A sender that floods the channel must not take the place of the camera's frames. */
+static vdna_transport_lane *lane_of(vdna_transport *transport,
+                                    const vdna_transport_incoming *message)
+{
+    const uint64_t source = message->arrival ? message->arrival->source : 0;
+    if (source != transport->first_source &&
+        message->received_us - transport->first_received_us < FIRST_SOURCE_SILENT_US)
+        return &transport->lanes[1];
+    transport->first_source = source;
+    transport->first_received_us = message->received_us;
+    return &transport->lanes[0];
+}
+
+/* Whether a frame overtook this one on its way. */
+static bool is_overtaken(const vdna_transport_lane *lane, const vdna_arrival *arrival)
+{
+    return arrival && arrival->source == lane->source &&
+           arrival->sequence - lane->sequence > INT32_MAX;
+}
+
+static void keep_image(vdna_transport *transport, vdna_transport_lane *lane,
+                       const vdna_transport_frame *frame, const vdna_transport_incoming *message)
+{
+    const vdna_arrival *arrival = message->arrival;
+    const size_t before = (size_t)(frame->image.data - message->data);
+    vdna_reassembly *messages = arrival ? transport->receiver->messages : NULL;
+    if (arrival && lane->is_waiting)
+        vdna_reassembly_release(messages, lane->slot);
+
+    lane->is_waiting = true;
+    lane->frame = *frame;
+    lane->frame.received_us = message->received_us;
+    if (arrival) {
+        lane->source = arrival->source;
+        lane->sequence = arrival->sequence;
+        lane->slot = vdna_reassembly_hold(messages, arrival);
+        lane->frame.image.data = vdna_reassembly_held(messages, lane->slot) + before;
+    } else {
+        memcpy(transport->picture, frame->image.data, frame->image.size);
+        lane->frame.image.data = transport->picture;
+    }
+}
+
+static void take_image(vdna_transport *transport, const vdna_transport_incoming *message)
+{
+    vdna_transport_frame frame;
     transport->arrived++;
-    if (vdna_transport_check(&vdna_message_command, message->data, message->data_size) != VDNA_OK) {
+    if (vdna_transport_parse_image(message->data, message->size, &frame) != VDNA_OK) {
+        reject_image(transport, message);
+        return;
+    }
+    note_size(transport, frame.image.size);
+    if (frame.image.size > transport->picture_max) {
+        pass_over_image(transport, frame.image.size);
+        return;
+    }
+    vdna_transport_lane *lane = lane_of(transport, message);
+    if (lane->is_waiting) {
+        skip_image(transport);
+        if (is_overtaken(lane, message->arrival))
+            return;
+    }
+    keep_image(transport, lane, &frame, message);
+}
+
+/* A camera message of which only the beginning was kept. Its picture, with the metadata, has more
+ * than max_image_bytes. */
+static void take_large_image(vdna_transport *transport, const vdna_transport_incoming *message)
+{
+    transport->arrived++;
+    if (cursor_fingerprint(message->data, message->size) != vdna_message_image.fingerprint) {
+        reject_image(transport, message);
+        return;
+    }
+    const uint64_t bytes = message->arrival->total_size - IMAGE_FIXED_BYTES;
+    note_size(transport, bytes);
+    pass_over_image(transport, bytes);
+}
+
+/* --- commands --- */
+
+/* A command that this version does not know is counted and otherwise ignored. */
+static void take_command(vdna_transport *transport, const vdna_transport_incoming *message)
+{
+    transport->arrived++;
+    if (vdna_transport_check(&vdna_message_command, message->data, message->size) != VDNA_OK) {
         transport->counters.rejected++;
         return;
     }
 
-    cursor c = cursor_begin(message->data, message->data_size, vdna_message_command.fingerprint);
+    cursor c = cursor_begin(message->data, message->size, vdna_message_command.fingerprint);
     cursor_int64(&c); /* utime */
     if (cursor_unsigned(&c, sizeof(int32_t)) == VDNA_MSG_COMMAND_T_RESET)
         transport->events |= VDNA_TRANSPORT_RESET;
     transport->counters.commands++;
+}
+
+/* --- through LCM --- */
+
+static vdna_transport_incoming of_lcm(const vdna_transport *transport,
+                                      const lcm_recv_buf_t *message)
+{
+    return (vdna_transport_incoming){
+        .data = message->data,
+        .size = message->data_size,
+        .received_us = vdna_network_received_us(&transport->network, message),
+    };
+}
+
+/* LCM calls this for each message on the camera channel; the bytes are LCM's and gone once it
+ * returns. */
+static void on_image(const lcm_recv_buf_t *received, const char *channel, void *context)
+{
+    (void)channel;
+    const vdna_transport_incoming message = of_lcm(context, received);
+    take_image(context, &message);
+}
+
+/* As on_image(), for the command channel. */
+static void on_command(const lcm_recv_buf_t *received, const char *channel, void *context)
+{
+    (void)channel;
+    const vdna_transport_incoming message = of_lcm(context, received);
+    take_command(context, &message);
 }
 
 static vdna_status subscribe(vdna_transport *transport, const char *channel,
@@ -82,21 +189,176 @@ vdna_status vdna_transport_subscribe(vdna_transport *transport, vdna_error *erro
     return subscribe(transport, transport->command, on_command, error);
 }
 
+static bool has_events(const vdna_transport *transport)
+{
+    return transport->events != 0 || transport->lanes[0].is_waiting ||
+           transport->lanes[1].is_waiting;
+}
+
+static void note_backlog(vdna_transport *transport)
+{
+    if (transport->arrived > transport->counters.backlog_max)
+        transport->counters.backlog_max = transport->arrived;
+}
+
 /* Take all waiting messages. A live network moves on while we work, so only its newest frame
  * matters; a log waits, so every frame of it is handed out, and a replay gives the same answers at
  * any speed. */
-static int drain(vdna_transport *transport, int timeout_ms)
+static int poll_lcm(vdna_transport *transport, int timeout_ms)
 {
     transport->arrived = 0;
     int taken = vdna_network_take_one(&transport->network, timeout_ms);
     for (uint32_t messages = 1; taken == 1 && messages < MESSAGES_PER_POLL; messages++) {
-        if (transport->network.log && transport->events != 0)
+        if (transport->network.log && has_events(transport))
             break;
         taken = vdna_network_take_one(&transport->network, 0);
     }
-    if (transport->arrived > transport->counters.backlog_max)
-        transport->counters.backlog_max = transport->arrived;
+    note_backlog(transport);
     return taken;
+}
+
+/* --- through our receiver --- */
+
+static bool is_camera(const vdna_transport *transport, const vdna_arrival *arrival)
+{
+    return arrival->wanted == 0 && transport->camera[0];
+}
+
+static void take_arrival(vdna_transport *transport, const vdna_arrival *arrival,
+                         int64_t received_us)
+{
+    const vdna_transport_incoming message = {arrival->data, arrival->size, received_us, arrival};
+    switch (arrival->kind) {
+    case VDNA_ARRIVAL_NOTHING:
+        break;
+    case VDNA_ARRIVAL_MESSAGE:
+        if (is_camera(transport, arrival))
+            take_image(transport, &message);
+        else
+            take_command(transport, &message);
+        break;
+    case VDNA_ARRIVAL_TOO_LARGE:
+        if (is_camera(transport, arrival)) {
+            take_large_image(transport, &message);
+        } else {
+            transport->arrived++;
+            transport->counters.rejected++;
+        }
+        break;
+    case VDNA_ARRIVAL_OTHER:
+        vdna_transport_note(transport, arrival->channel, &message);
+    }
+}
+
+static int take_waiting(vdna_transport *transport)
+{
+    int taken = 1;
+    transport->arrived = 0;
+    for (uint32_t datagrams = 0; taken == 1 && datagrams < DATAGRAMS_PER_POLL; datagrams++) {
+        vdna_arrival arrival;
+        int64_t received_us;
+        taken = vdna_multicast_take(transport->receiver, &arrival, &received_us);
+        if (taken == 1)
+            take_arrival(transport, &arrival, received_us);
+    }
+    note_backlog(transport);
+    return taken;
+}
+
+static void skip_waiting_images(vdna_transport *transport)
+{
+    for (uint32_t i = 0; i < VDNA_TRANSPORT_LANES; i++) {
+        vdna_transport_lane *lane = &transport->lanes[i];
+        if (!lane->is_waiting)
+            continue;
+        vdna_reassembly_release(transport->receiver->messages, lane->slot);
+        lane->is_waiting = false;
+        skip_image(transport);
+    }
+}
+
+static int64_t now_ms(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+}
+
+/* Wait for an event, taking what comes. While we were away, a full buffer keeps the oldest
+ * datagrams and drops the newest; then the frames that we find are older than those that were lost,
+ * and the next one is waited for instead. Once: in a lasting flood, some frame is better than none.
+ */
+static int poll_receiver(vdna_transport *transport, int timeout_ms)
+{
+    const int64_t until_ms = now_ms() + (has_events(transport) ? 0 : timeout_ms);
+    bool may_skip = true;
+    do {
+        const int64_t left_ms = until_ms - now_ms();
+        const int ready = vdna_multicast_wait(transport->receiver, left_ms > 0 ? (int)left_ms : 0);
+        if (ready != 1)
+            return ready;
+        const bool overflowed = vdna_multicast_count_dropped(transport->receiver) > 0;
+        if (take_waiting(transport) < 0)
+            return -1;
+        /* What was dropped while we were reading had a false checksum. */
+        vdna_multicast_count_dropped(transport->receiver);
+        if (overflowed && may_skip) {
+            skip_waiting_images(transport);
+            may_skip = false;
+        }
+    } while (!has_events(transport) && now_ms() < until_ms);
+    return 1;
+}
+
+static void release_lent(vdna_transport *transport)
+{
+    if (transport->lent_slot < VDNA_REASSEMBLY_SLOTS)
+        vdna_reassembly_release(transport->receiver->messages, transport->lent_slot);
+    transport->lent_slot = VDNA_REASSEMBLY_SLOTS;
+}
+
+static void copy_receiver_counters(vdna_transport *transport)
+{
+    const vdna_multicast *receiver = transport->receiver;
+    const vdna_reassembly_counters *messages = vdna_reassembly_count(receiver->messages);
+    vdna_transport_counters *counters = &transport->counters;
+    counters->lost = transport->camera[0] ? vdna_reassembly_lost(receiver->messages) : 0;
+    counters->incomplete = messages->incomplete;
+    counters->dropped_datagrams = receiver->dropped;
+    counters->malformed_datagrams = messages->malformed;
+    counters->repeated_datagrams = messages->repeated;
+    counters->foreign_datagrams = receiver->foreign;
+}
+
+/* --- both --- */
+
+static int poll_network(vdna_transport *transport, int timeout_ms)
+{
+    if (!transport->receiver)
+        return poll_lcm(transport, timeout_ms);
+    release_lent(transport);
+    const int taken = poll_receiver(transport, timeout_ms);
+    copy_receiver_counters(transport);
+    return taken;
+}
+
+/* Hand out the waiting frame of one lane, by turns; the other's stays, and does not count as
+ * received until its fate is known. */
+static void hand_out(vdna_transport *transport, vdna_transport_frame *out_frame)
+{
+    if (transport->lanes[!transport->served].is_waiting)
+        transport->served = !transport->served;
+    vdna_transport_lane *lane = &transport->lanes[transport->served];
+    if (!lane->is_waiting)
+        return;
+    lane->is_waiting = false;
+    transport->counters.received++;
+    *out_frame = lane->frame;
+    out_frame->skipped = transport->unanswered;
+    transport->unanswered = 0;
+    transport->events |= VDNA_TRANSPORT_FRAME;
+    if (transport->receiver)
+        transport->lent_slot = lane->slot;
 }
 
 /* see vdna/transport.h */
@@ -109,17 +371,13 @@ vdna_status vdna_transport_poll(vdna_transport *transport, int32_t timeout_ms, u
 
     transport->events = 0;
     /* Messages before the end are handed out first: the next poll meets the end again. */
-    const int taken = drain(transport, timeout_ms);
+    const int taken = poll_network(transport, timeout_ms);
     if (transport->network.log)
         transport->counters.damaged_bytes = vdna_log_damaged_bytes(transport->network.log);
-    if (taken < 0 && transport->events == 0)
+    if (taken < 0 && !has_events(transport))
         return vdna_network_end(&transport->network);
 
+    hand_out(transport, out_frame);
     *out_events = transport->events;
-    if (transport->events & VDNA_TRANSPORT_FRAME) {
-        *out_frame = transport->frame;
-        out_frame->skipped = transport->unanswered;
-        transport->unanswered = 0;
-    }
     return VDNA_OK;
 }

@@ -4,19 +4,42 @@
 #include <string.h>
 
 #include "connection.h"
+#include "url.h"
 
 #define DEFAULT_MAX_IMAGE_BYTES (8u << 20)
 
 /* Bytes of vdna_transport_config in version 0.1: the publishing channels were removed before
  * that. */
-#define OLDEST_CONFIG sizeof(vdna_transport_config)
+#define OLDEST_CONFIG offsetof(vdna_transport_config, sources)
 
 static const vdna_transport_config defaults = {.max_image_bytes = DEFAULT_MAX_IMAGE_BYTES};
 
-/* see vdna/transport.h */
-void vdna_transport_config_init(vdna_transport_config *config)
+/* see vdna/transport.h; in parentheses, because the header has a macro of this name */
+void(vdna_transport_config_init)(vdna_transport_config *config)
 {
     vdna_config_write(config, OLDEST_CONFIG, &defaults, sizeof defaults);
+}
+
+/* see vdna/transport.h */
+void vdna_transport_config_init_sized(vdna_transport_config *config, size_t struct_size)
+{
+    vdna_config_write(config, struct_size, &defaults, sizeof defaults);
+}
+
+static vdna_status check_sources(const vdna_transport_config *config, vdna_error *error)
+{
+    if (config->source_count > VDNA_TRANSPORT_SOURCES_MAX)
+        return vdna_fail(error, VDNA_ERR_ARG, "transport: source_count is %llu, expected 0..%u",
+                         (unsigned long long)config->source_count, VDNA_TRANSPORT_SOURCES_MAX);
+    if (config->source_count > 0 && !config->sources)
+        return vdna_fail(error, VDNA_ERR_ARG,
+                         "transport: sources is NULL, but source_count is not 0");
+    for (uint64_t i = 0; i < config->source_count; i++)
+        if (!vdna_multicast_is_source(config->sources[i]))
+            return vdna_fail(error, VDNA_ERR_ARG,
+                             "transport: source \"%.60s\" is no IPv4 address such as 10.0.0.2",
+                             config->sources[i] ? config->sources[i] : "NULL");
+    return VDNA_OK;
 }
 
 /* Read a caller's config, and check it. */
@@ -37,7 +60,7 @@ static vdna_status read_config(const vdna_transport_config *given, vdna_error *e
             error, VDNA_ERR_ARG,
             "transport: max_message_bytes is %u, expected 0..%u, LCM's largest message",
             config->max_message_bytes, VDNA_MESSAGE_BYTES_MAX);
-    return VDNA_OK;
+    return check_sources(config, error);
 }
 
 static vdna_status keep_channel(channel_name out_name, const char *name, vdna_error *error)
@@ -51,16 +74,15 @@ static vdna_status keep_channel(channel_name out_name, const char *name, vdna_er
 }
 
 /* Room for the largest picture now, so that a camera cannot make the process grow later. */
-static vdna_status reserve_picture(vdna_transport *transport, size_t size, vdna_error *error)
+static vdna_status reserve_picture(vdna_transport *transport, vdna_error *error)
 {
     if (!transport->camera[0])
         return VDNA_OK;
-    transport->picture = malloc(size);
+    transport->picture = malloc(transport->picture_max);
     if (!transport->picture)
         return vdna_fail(error, VDNA_ERR_NOMEM,
-                         "transport: no %zu bytes of memory for a picture; lower max_image_bytes",
-                         size);
-    transport->picture_size = size;
+                         "transport: no %u bytes of memory for a picture; lower max_image_bytes",
+                         transport->picture_max);
     return VDNA_OK;
 }
 
@@ -74,13 +96,27 @@ static vdna_status reserve_message(vdna_transport *transport, size_t size, vdna_
     return VDNA_OK;
 }
 
-/* LCM 1.3 to 1.5, udpm://: messages half received, all channels together; most bytes of a datagram;
- * LCM's own state. */
-#define LCM_FRAGMENTS_MAX (16u << 20)
-#define LCM_DATAGRAM_MAX 65536u
-#define LCM_ITSELF (1u << 20)
+/* LCM 1.3 to 1.5 over udpm://, which only sends: its state and its socket's. */
+#define LCM_ITSELF (256u << 10)
 /* Bytes of a camera message besides its picture; generous, because it may carry metadata. */
 #define IMAGE_MESSAGE_OVERHEAD 4096u
+/* Bytes of a command message; LCM sends as much in one datagram. */
+#define COMMAND_MESSAGE_MAX 65499u
+
+/* The channels to receive on, the camera's first. Returns their number. */
+static uint32_t channels_of(const char *camera, const char *command, uint32_t max_image_bytes,
+                            vdna_wanted_channel out_channels[VDNA_REASSEMBLY_CHANNELS])
+{
+    uint32_t count = 0;
+    uint32_t largest = max_image_bytes + IMAGE_MESSAGE_OVERHEAD;
+    if (largest > VDNA_MESSAGE_BYTES_MAX)
+        largest = VDNA_MESSAGE_BYTES_MAX;
+    if (camera && *camera)
+        out_channels[count++] = (vdna_wanted_channel){camera, largest};
+    if (command && *command)
+        out_channels[count++] = (vdna_wanted_channel){command, COMMAND_MESSAGE_MAX};
+    return count;
+}
 
 /* see vdna/transport.h */
 vdna_status vdna_transport_memory_of(const vdna_transport_config *config,
@@ -91,18 +127,32 @@ vdna_status vdna_transport_memory_of(const vdna_transport_config *config,
     if (status != VDNA_OK || !out_memory)
         return VDNA_ERR_ARG;
 
+    vdna_wanted_channel channels[VDNA_REASSEMBLY_CHANNELS];
+    const uint32_t count =
+        channels_of(known.camera_channel, known.command_channel, known.max_image_bytes, channels);
+    const uint64_t receiver = count > 0 ? vdna_multicast_mem_size(channels, count) : 0;
+    /* The frame that was handed out is in one of the receiver's slots. */
     const uint64_t image = known.camera_channel ? known.max_image_bytes : 0;
-    const uint64_t message = known.max_image_bytes + IMAGE_MESSAGE_OVERHEAD;
-    const uint64_t pictures = known.camera_channel ? VDNA_TRANSPORT_QUEUE + 1 : 0;
-    const uint64_t commands = known.command_channel ? VDNA_TRANSPORT_QUEUE + 1 : 0;
-    const uint64_t overheard = known.camera_channel ? OVERHEARD_QUEUE + 1 : 0;
-    /* Each datagram passes through a ring buffer that grows by half when full, and earlier buffers
-     * stay until they are empty: together at most three times their content. */
-    const uint64_t rings = 3 * (pictures + commands + overheard + 1) * LCM_DATAGRAM_MAX;
     out_memory->own_bytes = sizeof(vdna_transport) + image + known.max_message_bytes;
-    out_memory->lcm_bytes =
-        (pictures + overheard + 1) * message + LCM_FRAGMENTS_MAX + rings + LCM_ITSELF;
+    out_memory->lcm_bytes = receiver - image + LCM_ITSELF;
     return VDNA_OK;
+}
+
+/* Receive by our own means from udpm://, through LCM from anything else. */
+static vdna_status receive(vdna_transport *transport, const vdna_transport_config *config,
+                           vdna_error *error)
+{
+    vdna_wanted_channel channels[VDNA_REASSEMBLY_CHANNELS];
+    const char *url = vdna_network_url(config->url);
+    const uint32_t count =
+        channels_of(transport->camera, transport->command, transport->picture_max, channels);
+    if (count > 0 && url_has_scheme(url, "udpm://"))
+        return vdna_multicast_open(url, config->sources, (uint32_t)config->source_count, channels,
+                                   count, error, &transport->receiver);
+    const vdna_status status = reserve_picture(transport, error);
+    if (status != VDNA_OK)
+        return status;
+    return vdna_transport_subscribe(transport, error);
 }
 
 /* see vdna/transport.h */
@@ -120,17 +170,17 @@ vdna_status vdna_transport_open(const vdna_transport_config *config, vdna_error 
     if (!transport)
         return vdna_fail(error, VDNA_ERR_NOMEM, "transport: no memory left");
 
+    transport->picture_max = known.max_image_bytes;
+    transport->lent_slot = VDNA_REASSEMBLY_SLOTS;
     status = keep_channel(transport->camera, known.camera_channel, error);
     if (status == VDNA_OK)
         status = keep_channel(transport->command, known.command_channel, error);
-    if (status == VDNA_OK)
-        status = reserve_picture(transport, known.max_image_bytes, error);
     if (status == VDNA_OK)
         status = reserve_message(transport, known.max_message_bytes, error);
     if (status == VDNA_OK)
         status = vdna_network_open(&transport->network, known.url, error);
     if (status == VDNA_OK)
-        status = vdna_transport_subscribe(transport, error);
+        status = receive(transport, &known, error);
     if (status != VDNA_OK) {
         vdna_transport_close(transport);
         return status;
@@ -144,6 +194,7 @@ void vdna_transport_close(vdna_transport *transport)
 {
     if (!transport)
         return;
+    vdna_multicast_close(transport->receiver);
     vdna_network_close(&transport->network);
     free(transport->picture);
     free(transport->message);

@@ -3,8 +3,9 @@
  *         policy.
  *
  *  Messages, channels and units: docs/reference/SPEC-lcm.md. Inbound bytes are checked in place
- *  before they are used. An LCM network is a trusted network: anyone on it can send. LCM itself
- *  prints its complaints to standard error; errors here say what to do about them.
+ *  before they are used. From udpm:// networks a transport receives by its own means, in fixed
+ * memory and only from senders that may send; LCM sends, and serves all other networks. LCM itself
+ * prints its complaints to standard error; errors here say what to do about them.
  */
 #ifndef VDNA_TRANSPORT_H
 #define VDNA_TRANSPORT_H
@@ -35,13 +36,17 @@ extern "C" {
 /** Most bytes of a message; LCM's limit. */
 #define VDNA_MESSAGE_BYTES_MAX (1u << 28)
 
-/** Messages of a channel that LCM queues for a transport; beyond that it drops the newest. */
+/** Messages of a channel that LCM queues for a transport, except over udpm:// ; beyond that it
+ * drops the newest. */
 #define VDNA_TRANSPORT_QUEUE 30u
 /** The same for a listener, by default: enough for a slow terminal to lose none. */
 #define VDNA_LISTENER_QUEUE 1000u
 
 /** Most channels that a transport remembers overhearing. */
 #define VDNA_TRANSPORT_OVERHEARD_MAX 16u
+
+/** Most machines that can be allowed to send. */
+#define VDNA_TRANSPORT_SOURCES_MAX 16u
 
 /** Longest time that a poll may wait, in milliseconds. */
 #define VDNA_TIMEOUT_MS_MAX 1000
@@ -61,33 +66,53 @@ typedef struct vdna_transport_config {
     const char *url; /**< LCM URL; NULL = $LCM_DEFAULT_URL, else LCM's default (default) */
     const char *camera_channel;  /**< bot_core.image_t in; default NULL */
     const char *command_channel; /**< vdna_msg.command_t in; default NULL */
+    const char *const *sources;  /**< [source_count], over udpm:// : IPv4 addresses such as
+                                    "10.0.0.2"  of machines that may send, besides this one */
+    uint64_t source_count; /**< 0..VDNA_TRANSPORT_SOURCES_MAX; 0 = only this machine may send if the
+                                URL's ttl is 0, every machine otherwise (default); 64 bits wide to
+                                leave no padding */
 } vdna_transport_config;
 
 /** The newest camera frame. `image.data` is borrowed until the next vdna_transport_poll(). */
 typedef struct vdna_transport_frame {
     vdna_image image;    /**< as the message describes it; not checked */
     int64_t utime;       /**< the camera's stamp in microseconds */
-    int64_t received_us; /**< CLOCK_MONOTONIC when LCM took it off the socket; for logs, when it
-                              was read */
+    int64_t received_us; /**< CLOCK_MONOTONIC when its last datagram came; for logs, when it was
+                              read */
     uint64_t skipped; /**< frames that were skipped or oversized since the one handed out before */
 } vdna_transport_frame;
 
 /** Counters since the transport was opened. */
 typedef struct vdna_transport_counters {
-    uint64_t received;          /**< well-formed camera messages */
-    uint64_t skipped;           /**< of those, replaced by a newer one before they were asked for */
-    uint64_t oversized;         /**< of those, with a picture larger than max_image_bytes */
-    uint64_t rejected;          /**< messages on our channels that break their format */
-    uint64_t commands;          /**< well-formed command messages */
-    uint64_t picture_bytes_max; /**< largest picture in a well-formed camera message */
-    uint32_t backlog_max;       /**< most messages found waiting by one poll; beyond
-                                     VDNA_TRANSPORT_QUEUE a channel, LCM drops the newest, uncounted */
-    uint32_t reserved;          /**< 0 */
-    uint64_t camera_rejected;   /**< of `rejected`, those on the camera channel */
+    uint64_t received;  /**< well-formed camera messages: handed out, skipped or oversized */
+    uint64_t skipped;   /**< of those, replaced by a newer one before they were asked for, or
+                             older than one that was lost in a full buffer */
+    uint64_t oversized; /**< of those, with a picture larger than max_image_bytes, or metadata
+                             of more than 4 kB beside it; of the largest ones only the
+                             beginning is checked */
+    uint64_t rejected;  /**< messages on our channels that break their format */
+    uint64_t commands;  /**< well-formed command messages */
+    uint64_t picture_bytes_max;  /**< largest picture in a well-formed camera message */
+    uint32_t backlog_max;        /**< most messages found waiting by one poll */
+    uint32_t reserved;           /**< 0 */
+    uint64_t camera_rejected;    /**< of `rejected`, those on the camera channel */
     uint64_t camera_fingerprint; /**< of the newest of these, its first 8 bytes; 0 if it has less */
     uint64_t oversized_bytes;    /**< size of the newest oversized picture; 0 = none */
     uint64_t damaged_bytes;      /**< of a log: bytes passed over because they are no events; zeros
                                       or half an event at its end do not count */
+    /* Over udpm:// only. */
+    uint64_t lost; /**< messages that senders on the camera channel numbered and that never came
+                        whole, as far as a later one tells; what such a sender sends on other
+                        channels counts, too */
+    uint64_t incomplete; /**< messages given up because some of their fragments did not come within
+                            a second, or newer ones needed their place; on the camera channel,
+                            `lost` has them */
+    uint64_t dropped_datagrams; /**< that the system dropped: its buffer was full, or their checksum
+                                     false */
+    uint64_t malformed_datagrams; /**< that are not LCM's, or contradict others of their message */
+    uint64_t repeated_datagrams;  /**< that bring nothing new: duplicates, and fragments of messages
+                                     that  were given up, are oversized or on other channels */
+    uint64_t foreign_datagrams;   /**< from machines that may not send */
 } vdna_transport_counters;
 
 /** A channel other than the transport's own, as it was overheard. */
@@ -101,11 +126,10 @@ typedef struct vdna_transport_overheard {
 
 /** Most memory that a transport holds, in bytes. */
 typedef struct vdna_transport_memory {
-    uint64_t own_bytes; /**< its own, allocated by vdna_transport_open() */
-    uint64_t lcm_bytes; /**< LCM's, over udpm:// : VDNA_TRANSPORT_QUEUE messages for each channel
-                             subscribed to, a few overheard, and messages half received. Valid as
-                             long as no message on the whole network is larger than a camera
-                             message of max_image_bytes */
+    uint64_t own_bytes; /**< itself, the newest picture and the message to publish */
+    uint64_t lcm_bytes; /**< over udpm:// : messages half received or waiting, and LCM's sending
+                           half; whatever others send. Other networks are LCM's alone, and it takes
+                           what they send */
 } vdna_transport_memory;
 
 /** Results of vdna_transport_poll(); bits. */
@@ -115,8 +139,22 @@ enum {
 };
 
 /** Write the defaults: LCM's own URL, 8 MiB, no channel.
+ *
+ *  In C and C++ a macro of this name calls vdna_transport_config_init_sized(). The function itself
+ * is for programs and languages that know only the struct of version 0.1, which ended with
+ *  `command_channel`.
  *  @param config  NULL is allowed */
 VDNA_API void vdna_transport_config_init(vdna_transport_config *config);
+
+/** Write the defaults of the fields that the caller's struct has.
+ *  @param config       NULL is allowed
+ *  @param struct_size  bytes of the struct that the caller was compiled with */
+VDNA_API void vdna_transport_config_init_sized(vdna_transport_config *config, size_t struct_size);
+
+/** Write the defaults of all fields that this header has.
+ *  @param config  NULL is allowed */
+#define vdna_transport_config_init(config) \
+    vdna_transport_config_init_sized((config), sizeof(vdna_transport_config))
 
 /** Get the most memory that a transport of this configuration holds.
  *  @param config      as for vdna_transport_open()
@@ -137,9 +175,10 @@ VDNA_API vdna_status vdna_transport_open(const vdna_transport_config *config, vd
  *  @param transport  NULL is allowed */
 VDNA_API void vdna_transport_close(vdna_transport *transport);
 
-/** Wait for messages, then take all of them and keep the newest frame. A log (file:// URL) is read
- *  message by message instead: no frame of it is skipped, and a replay gives the same answers at
- *  any speed.
+/** Wait for messages, then take all of them and keep the newest frame. If several senders share the
+ *  camera channel, the newest frame of the first and that of the others are handed out by turns. A
+ * log (file:// URL) is read message by message instead: no frame of it is skipped, and a replay
+ * gives the same answers at any speed.
  *  @param transport   an open one
  *  @param timeout_ms  0 = do not wait, at most VDNA_TIMEOUT_MS_MAX
  *  @param out_events  VDNA_TRANSPORT_ bits; 0 if nothing came in time, a signal interrupted, or the
@@ -156,7 +195,8 @@ VDNA_API vdna_status vdna_transport_poll(vdna_transport *transport, int32_t time
  *  @param transport  an open one
  *  @param on         1 = begin, with an empty table unless it has begun already; 0 = end, after
  *                    which the table stays
- *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO if the network refuses */
+ *  @return VDNA_OK; VDNA_ERR_ARG, also if the transport has neither channel; VDNA_ERR_IO if the
+ *          network refuses */
 VDNA_API vdna_status vdna_transport_overhear(vdna_transport *transport, uint32_t on);
 
 /** Get the channels overheard so far.

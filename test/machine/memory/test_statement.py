@@ -82,12 +82,12 @@ class Statement(WithConfiguration):
                           self.configure(LIMITS)) as daemon:
             camera.send_jpeg(0, picture)
             answers.next()
-            # More than LCM keeps, while the daemon decodes; each as large as possible.
+            # More than the receive buffer keeps, while the daemon decodes; each as large as possible.
             padded = picture + b"\0" * (65000 - len(picture))
             for utime in range(1, 60):
                 camera.send_jpeg(utime, padded if utime % 2 else picture)
                 time.sleep(0.001)
-            # LCM drops the newest message when 30 are waiting: not this one.
+            # A full buffer drops the newest message: not this one.
             time.sleep(1)
             camera.send_jpeg(60, picture)
             # A slow machine's queue may be full at that moment; then older frames are answered first.

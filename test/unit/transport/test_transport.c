@@ -487,6 +487,11 @@ static void of_many_channels_those_with_pictures_are_kept(void **state)
 static void overhearing_refuses_bad_arguments(void **state)
 {
     uint32_t count = 7;
+    vdna_transport_config deaf = memq_config();
+    deaf.camera_channel = deaf.command_channel = NULL;
+    vdna_transport *transport = open_with(&deaf);
+    assert_int_equal(vdna_transport_overhear(transport, 1), VDNA_ERR_ARG);
+    vdna_transport_close(transport);
     assert_int_equal(vdna_transport_overhear(NULL, 1), VDNA_ERR_ARG);
     assert_int_equal(vdna_transport_overhear(*state, 2), VDNA_ERR_ARG);
     assert_null(vdna_transport_overheard_channels(NULL, &count));
@@ -701,7 +706,7 @@ static void a_bad_configuration_is_refused(void **state)
     config.struct_size++;
     assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
     config = memq_config();
-    config.struct_size--;
+    config.struct_size = offsetof(vdna_transport_config, sources) - 1;
     assert_int_equal(vdna_transport_open(&config, NULL, &transport), VDNA_ERR_ARG);
     assert_null(transport);
 
@@ -717,17 +722,67 @@ static void the_memory_that_is_stated_follows_the_configuration(void **state)
     assert_int_equal(vdna_transport_memory_of(&config, &small), VDNA_OK);
     assert_int_equal(small.own_bytes, sizeof(vdna_transport) + MAX_IMAGE_BYTES);
 
+    config.max_image_bytes = 1000000;
+    assert_int_equal(vdna_transport_memory_of(&config, &small), VDNA_OK);
     config.max_image_bytes += 1000;
     config.max_message_bytes = 500;
     assert_int_equal(vdna_transport_memory_of(&config, &large), VDNA_OK);
     assert_int_equal(large.own_bytes, small.own_bytes + 1000 + 500);
-    /* 30 in the queue and one being handled, 3 and one overheard, one half received */
-    assert_int_equal(large.lcm_bytes, small.lcm_bytes + 36 * 1000);
+    assert_int_equal(large.lcm_bytes, small.lcm_bytes + (VDNA_REASSEMBLY_SLOTS - 1) * 1000);
 
     config.camera_channel = NULL;
     assert_int_equal(vdna_transport_memory_of(&config, &large), VDNA_OK);
     assert_int_equal(large.own_bytes, sizeof(vdna_transport) + 500);
     assert_true(large.lcm_bytes < small.lcm_bytes);
+}
+
+static void with_pictures_of_2_mib_lcm_takes_less_than_8_mib(void **state)
+{
+    (void)state;
+    vdna_transport_config config = memq_config();
+    config.max_image_bytes = 2 << 20; // the daemon's default
+    vdna_transport_memory memory;
+    assert_int_equal(vdna_transport_memory_of(&config, &memory), VDNA_OK);
+    print_message("%llu bytes\n", (unsigned long long)memory.lcm_bytes);
+    assert_true(memory.lcm_bytes <= 8 << 20);
+}
+
+static void sources_are_addresses_and_not_too_many(void **state)
+{
+    (void)state;
+    const char *bad[] = {"robot", "10.0.0", "10.0.0.2:7667", "::1", "", "10.0.0.256", NULL};
+    vdna_transport_config config = memq_config();
+    vdna_transport *transport = NULL;
+    vdna_error error;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        const char *sources[] = {"10.0.0.1", bad[i]};
+        config.sources = sources;
+        config.source_count = 2;
+        assert_int_equal(vdna_transport_open(&config, &error, &transport), VDNA_ERR_ARG);
+        assert_non_null(strstr(error.text, bad[i] ? bad[i] : "NULL"));
+        assert_non_null(strstr(error.text, "10.0.0.2"));
+    }
+    config.sources = NULL;
+    config.source_count = 1;
+    assert_int_equal(vdna_transport_open(&config, &error, &transport), VDNA_ERR_ARG);
+    config.sources = bad;
+    config.source_count = VDNA_TRANSPORT_SOURCES_MAX + 1;
+    assert_int_equal(vdna_transport_open(&config, &error, &transport), VDNA_ERR_ARG);
+    assert_non_null(strstr(error.text, "17"));
+    assert_null(transport);
+}
+
+static void an_old_caller_gets_the_defaults_of_what_he_lacks(void **state)
+{
+    (void)state;
+    vdna_transport_config config;
+    memset(&config, 0xff, sizeof config);
+    (vdna_transport_config_init)(&config);
+    assert_int_equal(config.struct_size, offsetof(vdna_transport_config, sources));
+    assert_true(config.source_count == UINT64_MAX); // not written
+    config.url = "memq://";
+    config.camera_channel = "CAMERA";
+    vdna_transport_close(open_with(&config));
 }
 
 static void the_room_for_messages_is_there_from_the_start(void **state)
@@ -839,6 +894,9 @@ int main(void)
         cmocka_unit_test(a_bad_url_is_named_with_an_example_of_a_good_one),
         cmocka_unit_test(a_bad_configuration_is_refused),
         cmocka_unit_test(the_memory_that_is_stated_follows_the_configuration),
+        cmocka_unit_test(with_pictures_of_2_mib_lcm_takes_less_than_8_mib),
+        cmocka_unit_test(sources_are_addresses_and_not_too_many),
+        cmocka_unit_test(an_old_caller_gets_the_defaults_of_what_he_lacks),
         cmocka_unit_test(the_room_for_messages_is_there_from_the_start),
         cmocka_unit_test(a_url_names_a_log_if_it_is_to_be_read),
         cmocka_unit_test(a_log_hands_out_every_frame_and_then_ends),
