@@ -157,8 +157,8 @@ const vdna_backbone_operations BackboneProcess::operations = {
     VDNA_BACKBONE_OPERATIONS,
     [](const vdna_backbone_config *config, vdna_error *error, void **out_state) {
         // open_with() hands the manifest over as it is: it is this object, for want of a context.
-        auto *const process = reinterpret_cast<BackboneProcess *>(
-            const_cast<char *>(config->manifest));
+        auto *const process =
+            reinterpret_cast<BackboneProcess *>(const_cast<char *>(config->manifest));
         *out_state = process;
         return process->open(*error);
     },
@@ -202,12 +202,7 @@ Resident BackboneProcess::resident()
 uint64_t BackboneProcess::shared_bytes() const
 {
     const size_t letters = sizeof(BackboneRequest) + sizeof(BackboneReply);
-    return letters + mailbox_.picture_bytes() + own_bytes();
-}
-
-uint64_t BackboneProcess::own_bytes() const
-{
-    return numbers_.size() * sizeof(float);
+    return letters + mailbox_.picture_bytes() + number_bytes();
 }
 
 vdna_status BackboneProcess::open(vdna_error &error)
@@ -476,7 +471,7 @@ void BackboneProcess::take_description()
 void BackboneProcess::take_numbers(vdna_backbone_frame &out_frame)
 {
     // Copied before it is checked, because the process could change it.
-    std::memcpy(numbers_.data(), mailbox_.numbers(), own_bytes());
+    std::memcpy(numbers_.data(), mailbox_.numbers(), number_bytes());
     for (size_t t = 0; t < taps_.size(); t++)
         taps_[t].layout = reply_.layouts[t];
 

@@ -37,12 +37,8 @@ class BackboneProcess
     pid_t pid() const { return pid_; }
     // Of the process, and the most of any so far. Allocates nothing.
     Resident resident();
-    // Time that a picture may take: after it the picture is refused, after twice as much the
-    // process is ended. [backbone] budget_ms, or found by open().
-    int64_t budget_us() const { return budget_us_; }
-    // Bytes that both processes share and touch, at most; those of the numbers of a frame here.
+    // Bytes that both processes share and touch, at most.
     uint64_t shared_bytes() const;
-    uint64_t own_bytes() const;
 
   private:
     enum class State {
@@ -78,6 +74,7 @@ class BackboneProcess
     vdna_status take_first_description(vdna_error &error);
     void take_description();
     void take_numbers(vdna_backbone_frame &out_frame);
+    size_t number_bytes() const { return numbers_.size() * sizeof(float); }
     vdna_status find_budget(vdna_error &error);
     vdna_status refuse(vdna_error &error) const;
 
@@ -93,6 +90,8 @@ class BackboneProcess
     bool is_other_ = false; // it came back as another network
     std::string reason_;    // "it ...": why it is not there
     int64_t opening_us_;    // that opening may take
+    // That a picture may take: after it the picture is refused, after twice as much the process is
+    // ended.
     int64_t budget_us_;
     int64_t deadline_us_ = 0;
     int64_t restart_us_ = 0;
