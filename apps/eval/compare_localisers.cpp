@@ -177,12 +177,26 @@ class Run
                         traversal(query.traversal).name +
                         " has a frame with ground truth, which tells frames of one place; leave " +
                         by_.key + " out of --localisers");
-        const Drive drive = {driven.recording, 0,    query.warmup_frames,
-                             driven.live,      dim_, evaluation_.tolerance};
-        const vdna_experience experience = map_of(map, dim_);
-        return judge(by_.map == MapKind::top ? find_in_each(drive, parts)
+        const record::Recording live = record::projected(driven.recording, query.projection);
+        const record::Recording kept = record::projected(map, query.projection);
+        const vdna_experience experience = experience_of(kept, query);
+        const Drive drive = {live,
+                             0,
+                             query.warmup_frames,
+                             driven.live,
+                             experience.identity.dim,
+                             evaluation_.tolerance};
+        return judge(by_.map == MapKind::top ? find_in_each(drive, parts, query)
                                              : by_.find(drive, experience),
                      driven, experience, evaluation_);
+    }
+
+    // A map that keeps of embeddings what a map of all references would.
+    vdna_experience experience_of(const record::Recording &kept, const QueryResult &query) const
+    {
+        vdna_experience experience = map_of(kept, dim_);
+        query.projection.set_in(experience.identity);
+        return experience;
     }
 
     record::Recording map_of_parts(const std::vector<record::Recording> &parts) const
@@ -211,12 +225,14 @@ class Run
     }
 
     std::vector<Answer> find_in_each(const Drive &drive,
-                                     const std::vector<record::Recording> &parts) const
+                                     const std::vector<record::Recording> &parts,
+                                     const QueryResult &query) const
     {
         std::vector<std::vector<Answer>> answers;
         std::vector<uint32_t> frames;
         for (const record::Recording &part : parts) {
-            answers.push_back(by_.find(drive, map_of(part, dim_)));
+            const record::Recording kept = record::projected(part, query.projection);
+            answers.push_back(by_.find(drive, experience_of(kept, query)));
             frames.push_back(part.frames);
         }
         return most_confident(answers, frames);

@@ -64,6 +64,7 @@ class Run
         for (const size_t traversal : queries) {
             QueryResult query{traversal, 0, 0, {}, {}, {}, {}};
             query.range = binning_.range_of(references_of(traversal));
+            query.projection = projection_of(traversal);
             const std::vector<Counts> maps = maps_of(query);
             const LiveRun live = run(query, maps);
             localise(query);
@@ -110,6 +111,19 @@ class Run
             throw Error(traversals_[query].name +
                         ": no other traversal to compare it with; set --references");
         return count;
+    }
+
+    // What a map of the query's references keeps of embeddings.
+    record::Projection projection_of(size_t query) const
+    {
+        const vdna_backbone_info &network = frames_.backbone();
+        if (network.embedding_dims == 0)
+            return {};
+        std::vector<const record::Recording *> parts;
+        for (const size_t reference : references_of(query))
+            parts.push_back(&traversals_[reference].recording);
+        return record::principal_directions(parts, network.identity.dim, network.embedding_dims,
+                                            traversals_[query].name);
     }
 
     // The Visual DNA of each of the query's references.
@@ -271,11 +285,13 @@ Evaluation evaluate(Frames &frames, Binning &binning, const EvaluationSettings &
 std::vector<float> difference_matrix(const Evaluation &evaluation, const QueryResult &query,
                                      size_t reference)
 {
-    const size_t dim = evaluation.backbone.identity.dim;
-    const float *live = (*evaluation.traversals)[query.traversal].recording.embeddings.data();
-    const float *map = (*evaluation.traversals)[reference].recording.embeddings.data();
+    const auto kept = [&](size_t traversal) {
+        return record::projected((*evaluation.traversals)[traversal].recording, query.projection);
+    };
+    const record::Recording live = kept(query.traversal), map = kept(reference);
+    const size_t dim = live.embeddings.size() / live.frames;
     return matrix(evaluation, query, reference, [&](uint32_t i, uint32_t j) {
-        return record::embedding_distance(live + dim * i, map + dim * j, dim);
+        return record::embedding_distance(&live.embeddings[dim * i], &map.embeddings[dim * j], dim);
     });
 }
 

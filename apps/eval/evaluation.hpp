@@ -14,6 +14,7 @@
 #include "eval/bootstrap.hpp"
 #include "eval/confidence.hpp"
 #include "record/localisation.hpp"
+#include "record/projection.hpp"
 #include "record/recording.hpp"
 
 namespace vdna::eval
@@ -65,7 +66,9 @@ struct QueryResult {
     std::vector<uint32_t> live; // frames to localise
     std::vector<float> range;   // [neurons][2], from the references only
     std::vector<PairResult> pairs;
-    Outcome all; // in all references at once: the composite map
+    Outcome all;                     // in all references at once: the composite map
+    record::Projection projection{}; // that a map of the references learned; none if the network's
+                                     // manifest has no dims
 };
 
 // One way to predict which reference is best.

@@ -41,11 +41,14 @@ Outcome localise_query(const QueryTask &task, const std::vector<size_t> &referen
     record::Recording live;
     for (const uint32_t i : task.query.live)
         append(live, traversal, i, task.dim);
+    live = record::projected(std::move(live), task.query.projection);
     std::vector<const record::Recording *> parts;
     for (const size_t reference : references)
         parts.push_back(&task.traversals[reference].recording);
-    const record::Recording recording = joined(parts, task.dim);
-    const vdna_experience map = map_of(recording, task.dim);
+    const record::Recording recording =
+        record::projected(joined(parts, task.dim), task.query.projection);
+    vdna_experience map = map_of(recording, task.dim);
+    task.query.projection.set_in(map.identity);
     const record::Localisation found =
         record::localise_in(map, live, task.tolerance, recall_depths.back(), task.with_altitude);
 

@@ -10,7 +10,7 @@ namespace vdna::eval
 struct QueryTask {
     const std::vector<Traversal> &traversals;
     const QueryResult &query; // its traversal and live frames
-    uint32_t dim;             // of the embeddings
+    uint32_t dim;             // of the embeddings, before the query's projection
     double tolerance;         // inclusive
     bool with_altitude;       // as for record::Truth
 };

@@ -57,8 +57,35 @@ void Maker::make(std::vector<Draft> &drafts, uint32_t range_rule)
         for (Draft &draft : drafts)
             record_and_count(draft);
     }
+    project(drafts);
     for (Draft &draft : drafts)
         encode(draft);
+}
+
+void Maker::keep_as(const vdna_experience &there)
+{
+    const uint32_t asked = backbone_.info().embedding_dims;
+    if (asked != 0 && asked != there.identity.dim)
+        throw Error(std::string("backbone ") + backbone_.info().identity.backbone + ": keeps " +
+                    std::to_string(asked) +
+                    " numbers of each embedding ('dims' of its manifest), " + there.name + " has " +
+                    std::to_string(there.identity.dim) +
+                    "; leave 'dims' out, or rebuild all experiences of the map with --force");
+    projection_ = projection_of(there.identity);
+}
+
+void Maker::project(std::vector<Draft> &drafts)
+{
+    const vdna_backbone_info &network = backbone_.info();
+    if (!projection_ && network.embedding_dims > 0) {
+        std::vector<const Recording *> parts;
+        for (const Draft &draft : drafts)
+            parts.push_back(&draft.recording);
+        projection_ = principal_directions(parts, network.identity.dim, network.embedding_dims,
+                                           std::string("backbone ") + network.identity.backbone);
+    }
+    for (Draft &draft : drafts)
+        record::project(draft.recording, blank().identity);
 }
 
 void Maker::encode(Draft &draft) const
@@ -127,6 +154,8 @@ vdna_experience Maker::blank() const
     e.identity = backbone_.info().identity;
     e.identity.bins = bins_;
     e.identity.range = ranges_.values.empty() ? nullptr : ranges_.values.data();
+    if (projection_)
+        projection_->set_in(e.identity);
     return e;
 }
 

@@ -12,6 +12,7 @@
 #include "frames/source.hpp"
 #include "record/activation_store.hpp"
 #include "record/pass.hpp"
+#include "record/projection.hpp"
 #include "record/ranges.hpp"
 #include "record/recording.hpp"
 
@@ -43,12 +44,17 @@ class Maker
     // Use these ranges; without them make() calibrates its own. Call at most once.
     void use(Ranges ranges) { ranges_ = std::move(ranges); }
 
+    // Keep of embeddings what this experience keeps; without it make() keeps what the network's
+    // manifest asks for. Call at most once. Throws Error if that asks for another number of them.
+    void keep_as(const vdna_experience &there);
+
     // Make all drafts. A calibration keeps the activations for counting if they fit into memory;
     // otherwise the network runs twice. range_rule: VDNA_RANGE_ABOUT_... of a calibration. Throws
     // Error, also for a source without a usable frame.
     void make(std::vector<Draft> &drafts, uint32_t range_rule);
 
-    // Everything except name and frames; the range is borrowed, and NULL until it is known.
+    // Everything except name and frames; range and projection are borrowed, and NULL until they are
+    // known.
     vdna_experience blank() const;
     // The contents of the file to write; borrowed from this maker and the draft.
     vdna_experience experience_of(const Draft &draft) const;
@@ -62,12 +68,14 @@ class Maker
     void calibrate(std::vector<Draft> &drafts, uint32_t range_rule);
     void count_stored(std::vector<Draft> &drafts) const;
     void count_again(Draft &draft);
+    void project(std::vector<Draft> &drafts);
     void encode(Draft &draft) const;
 
     Backbone &backbone_;
     const frames::SourceOptions &options_;
     uint32_t bins_;
-    Ranges ranges_; // without values until they are known
+    Ranges ranges_;                        // without values until they are known
+    std::optional<Projection> projection_; // once it is known
     ActivationStore store_;
 };
 

@@ -25,7 +25,7 @@ constexpr double far_tolerances = 3;
 eval::QueryResult sampled(const eval::QueryResult &query)
 {
     eval::QueryResult sample{
-        query.traversal, query.warmup_begin, query.warmup_frames, {}, {}, {}, {}};
+        query.traversal, query.warmup_begin, query.warmup_frames, {}, {}, {}, {}, query.projection};
     const size_t rows = std::min<size_t>(query.live.size(), side);
     for (size_t i = 0; i < rows; i++)
         sample.live.push_back(query.live[i * query.live.size() / rows]);

@@ -58,7 +58,8 @@ Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone,
       selector_(map.candidates(), map.experiences().front().identity.dim, warmup_of(config),
                 config.map_directory, {static_cast<int64_t>(config.late_seconds * 1e6)},
                 localising_of(localisers_, config.top)),
-      ranking_(map, backbone.info()), waiting_(config, is_replay_)
+      projected_(map.experiences().front().identity.dim), ranking_(map, backbone.info()),
+      waiting_(config, is_replay_)
 {
 }
 
@@ -86,7 +87,8 @@ size_t Daemon::localisers_size() const
 size_t Daemon::size() const
 {
     const size_t per_experience = sizeof(char *) + 2 * sizeof(double) + sizeof(int8_t);
-    return sizeof *this + selector_.memory_size() + map_.experiences().size() * per_experience;
+    return sizeof *this + selector_.memory_size() + projected_.size() * sizeof(float) +
+           map_.experiences().size() * per_experience;
 }
 
 void Daemon::keep_answers(const std::string &path)
@@ -228,7 +230,8 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
                                                    const vdna_backbone_frame &seen,
                                                    Stopwatch &watch)
 {
-    const vdna_select_frame live{frame.utime, seen.taps, seen.tap_count, seen.embedding};
+    const vdna_select_frame live{frame.utime, seen.taps, seen.tap_count,
+                                 map_.embedding_of(seen, projected_)};
     vdna_select_answer found;
     const vdna_status status = vdna_select_feed(selector_.get(), &live, &found);
     if (status == VDNA_ERR_LATE)

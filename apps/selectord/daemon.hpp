@@ -80,6 +80,7 @@ class Daemon
     const std::vector<std::unique_ptr<ExperienceLocaliser>> localisers_; // one for each experience
                                                                          // if the filter is on
     Selector selector_;                                                  // borrows them
+    std::vector<float> projected_; // room for a live frame's embedding
     RankingReport ranking_;
     ResidentMemory memory_;
     LimitedLog problems_, resets_, choices_;

@@ -133,6 +133,21 @@ void find_ranges(const BuildOptions &options, const std::vector<Experience> &rem
     maker.use(std::move(ranges));
 }
 
+// Keep of embeddings what the map's experiences keep, or the one whose ranges are used if that has
+// a projection of the same embeddings.
+void find_projection(const BuildOptions &options, const std::vector<Experience> &remaining,
+                     const Backbone &backbone, record::Maker &maker)
+{
+    if (!remaining.empty())
+        return maker.keep_as(*remaining.front().get());
+    if (fs::path(options.ranges).extension() != VDNA_MAP_EXTENSION)
+        return;
+    const Experience there(options.ranges);
+    if (there->identity.projection &&
+        vdna_identity_compare(&there->identity, &backbone.info().identity, nullptr) == VDNA_OK)
+        maker.keep_as(*there.get());
+}
+
 // New experiences must compare with the existing ones; check this before the work.
 void require_comparable(const std::vector<Experience> &remaining,
                         const std::vector<record::Draft> &drafts, const record::Maker &maker)
@@ -236,6 +251,7 @@ void build(const BuildOptions &options)
     Backbone backbone(backbone_of(options, remaining), options.network.threads);
     record::Maker maker(backbone, options.source, bins_of(options, remaining));
     find_ranges(options, remaining, backbone, maker);
+    find_projection(options, remaining, backbone, maker);
     require_comparable(remaining, drafts, maker);
     maker.make(drafts, options.range_rule);
     require_one_frame(remaining, drafts);

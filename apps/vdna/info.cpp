@@ -103,6 +103,7 @@ program::Json json_of(const Experience &file)
             {"preprocessing", e.identity.preprocessing},
             {"taps", e.identity.taps},
             {"embedding", e.identity.embedding},
+            {"raw_dim", e.identity.projection ? e.identity.raw_dim : e.identity.dim},
             {"storage", e.embedding_codes ? "int8" : "float32"},
             {"last_layer_dim", e.last_layer_dim},
             {"comparable", e.comparable}};

@@ -9,6 +9,7 @@
 #include "program/print.hpp"
 #include "record/candidates.hpp"
 #include "record/localisation.hpp"
+#include "record/projection.hpp"
 #include "report/difference_matrix.hpp"
 #include "vdna/commands.hpp"
 #include "vdna/options.hpp"
@@ -53,6 +54,8 @@ Drive record(const LocaliseOptions &options, const Map &map)
     record::Pass pass(options.live, options.source, backbone);
     while (pass.next())
         (drive.warmup.frames < options.warmup_frames ? drive.warmup : drive.live).add(pass);
+    record::project(drive.warmup, map.experiences().front().identity);
+    record::project(drive.live, map.experiences().front().identity);
     drive.live.account = pass.account();
     if (drive.live.frames == 0 && drive.warmup.frames > 0)
         throw Error(options.live + ": has " + std::to_string(drive.warmup.frames) +

@@ -107,10 +107,11 @@ std::vector<vdna_hist_view> views_of(const Selector &selector)
 }
 
 // True once the warmup is complete.
-bool feed(Selector &selector, const record::Pass &pass)
+bool feed(Selector &selector, const Map &map, const record::Pass &pass, std::vector<float> &room)
 {
     const vdna_select_frame frame = {pass.frame().utime, pass.output().taps,
-                                     pass.output().tap_count, pass.output().embedding};
+                                     pass.output().tap_count,
+                                     map.embedding_of(pass.output(), room)};
     vdna_select_answer answer;
     require(vdna_select_feed(selector.get(), &frame, &answer), pass.frame().name);
     return answer.newly_ranked != 0;
@@ -183,8 +184,9 @@ Ranking rank_live(const RankOptions &options)
     record::Pass pass(source, options.source, backbone);
     Ranking ranking;
     bool complete = false;
+    std::vector<float> room;
     while (!complete && pass.next()) {
-        complete = feed(*selector, pass);
+        complete = feed(*selector, map, pass, room);
         ranking.without_truth += pass.frame().label.lacks_truth;
     }
     if (!complete)

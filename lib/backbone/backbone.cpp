@@ -89,12 +89,18 @@ void describe(vdna_backbone &backbone, const std::string &whose)
     info.quantised_from[sizeof info.quantised_from - 1] = '\0';
     info.identity.bins = 0;
     info.identity.range = nullptr;
+    info.identity.projection = nullptr;
+    info.identity.raw_dim = 0;
 
     vdna_error why{};
     if (vdna_identity_check(&info.identity, &why) != VDNA_OK)
         refuse_description(whose, why.text);
     if (info.identity.dim < 1)
         refuse_description(whose, "dim is 0, expected the numbers in an embedding");
+    if (info.embedding_dims > info.identity.dim)
+        refuse_description(whose, "embedding_dims is " + std::to_string(info.embedding_dims) +
+                                      ", expected at most dim, " +
+                                      std::to_string(info.identity.dim));
     if ((info.input_width == 0) != (info.input_height == 0))
         refuse_description(whose,
                            "one of input_width and input_height is 0, expected both or none");

@@ -56,6 +56,7 @@ class Reader
     Embedding embedding(const toml::table &table) const;
     Embedding papers_embedding(const toml::table &root) const;
     Grid grid(const toml::node &node) const;
+    uint32_t dims(const toml::table &table) const;
 
     void allow_only(const toml::table &table, Keys keys) const;
     const toml::node &need(const toml::table &table, std::string_view key,
@@ -265,13 +266,27 @@ Grid Reader::grid(const toml::node &node) const
     return grid;
 }
 
+uint32_t Reader::dims(const toml::table &table) const
+{
+    const toml::node *const node = table.get("dims");
+    if (!node)
+        return 0;
+    const int64_t count = node->is_integer() ? node->as_integer()->get() : 0;
+    if (count < 1 || count > UINT32_MAX)
+        refuse(node->source(), "'dims' must be how many numbers of each embedding a map keeps, "
+                               "from 1 to all of them");
+    return static_cast<uint32_t>(count);
+}
+
 Embedding Reader::embedding(const toml::table &table) const
 {
-    allow_only(table, {"output", "grid", "centre", "last_layer", "l2_normalise", "storage"});
+    allow_only(table,
+               {"output", "grid", "dims", "centre", "last_layer", "l2_normalise", "storage"});
     Embedding embedding{};
     embedding.output = word(table, "output");
     if (const toml::node *const node = table.get("grid"))
         embedding.grid = grid(*node);
+    embedding.dims = dims(table);
     embedding.centre = table.contains("centre") && flag(table, "centre");
     embedding.l2_normalise = flag(table, "l2_normalise");
     embedding.int8 =

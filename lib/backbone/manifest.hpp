@@ -45,6 +45,7 @@ struct Embedding {
     bool centre;              // localisers subtract a mean; here nothing is subtracted
     bool l2_normalise;        // the embedding only; never a tap
     bool int8;                // experience files store it as codes
+    uint32_t dims;            // numbers that experience files keep of it; 0 = all
     std::string last_layer;   // output of the second embedding; "" = none
 };
 

@@ -118,6 +118,7 @@ void fill_info(OnnxBackbone &backbone, const Manifest &manifest, uint32_t max_pi
     info.tap_count = static_cast<uint32_t>(backbone.taps.size());
     info.last_layer_dim = static_cast<uint32_t>(backbone.session.last_layer().size);
     info.embedding_int8 = manifest.embedding.int8;
+    info.embedding_dims = manifest.embedding.dims;
     info.input_width = manifest.input.width;
     info.input_height = manifest.input.height;
     info.decode_bytes = vdna_decoder_bytes_max(max_pixels);
@@ -178,6 +179,16 @@ void require_vector(const Manifest &manifest, const Output &last_layer)
                                 "'last_layer'");
 }
 
+void require_dims(const Manifest &manifest, size_t given)
+{
+    if (manifest.embedding.dims > given)
+        throw fail::Failure(VDNA_ERR_MISMATCH,
+                            manifest.model.string() + ": output '" + manifest.embedding.output +
+                                "' gives embeddings of " + std::to_string(given) +
+                                " numbers; expected at least 'dims', " +
+                                std::to_string(manifest.embedding.dims));
+}
+
 OnnxBackbone::OnnxBackbone(const Manifest &manifest, const vdna_backbone_config &config)
     : runtime(config.runtime),
       session(runtime, manifest, check_meanwhile(manifest), config.threads),
@@ -186,6 +197,7 @@ OnnxBackbone::OnnxBackbone(const Manifest &manifest, const vdna_backbone_config 
       embedding(grid ? grid->size() : session.embedding().size)
 {
     require_vector(manifest, session.last_layer());
+    require_dims(manifest, embedding.size());
     for (size_t t = 0; t < manifest.taps.size(); t++) {
         taps.push_back(as_activations(session.taps()[t], manifest.taps[t].layout));
         neurons += taps[t].neurons;

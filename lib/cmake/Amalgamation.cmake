@@ -1,9 +1,9 @@
-# amalgamation - core, localise and select, which need nothing, as one vdna.c and one vdna.h in
+# amalgamation - core, health, localise, trust and select, which need nothing, as one vdna.c and one vdna.h in
 # BUILD/amalgamation. Identity and map stay out: they need libmd and POSIX, and so a build system
 # anyway.
 block()
   set(inputs)
-  foreach(part core localise select)
+  foreach(part core health localise trust select)
     get_target_property(sources vdna_${part} SOURCES)
     get_target_property(source_dir vdna_${part} SOURCE_DIR)
     list(TRANSFORM sources PREPEND "${source_dir}/")

@@ -1,4 +1,5 @@
-"""Write the part of the library that needs nothing, core, localise and select, as one vdna.h and one vdna.c.
+"""Write the part of the library that needs nothing, core, health, localise, trust and select, as one vdna.h
+and one vdna.c.
 
     amalgamate.py VERSION FOLDER HEADER_OR_SOURCE...
 
@@ -14,8 +15,8 @@ PUBLIC = re.compile(r"^#include <vdna/(\w+\.h)>\n", re.M)
 PRIVATE = re.compile(r'^#include "(\w+\.h)"\n', re.M)
 
 TITLE = """/* vdna {version}, the part that needs nothing: histograms, distances, ranking,
- * selector, localisation.
- * Written from lib/core, lib/localise and lib/select by the CMake target `amalgamation`; change it there.
+ * selector, localisation, trust, frame health.
+ * Written from lib/core, lib/health, lib/localise, lib/trust and lib/select by the CMake target `amalgamation`; change it there.
  *
  * Compile vdna.c as C99 with -std=c99, or with -ffp-contract=off: the same counts then give the
  * same bits on every machine.

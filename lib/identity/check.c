@@ -1,5 +1,6 @@
 #include <fail.h>
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 
 #include <vdna/hist.h>
@@ -92,13 +93,29 @@ static vdna_status check_range(const vdna_identity *i, vdna_error *error)
     return VDNA_OK;
 }
 
+static vdna_status check_projection(const vdna_identity *i, vdna_error *error)
+{
+    if (!i->projection != (i->raw_dim == 0) ||
+        (i->projection && (i->dim == 0 || i->dim > i->raw_dim)))
+        return vdna_fail(error, VDNA_ERR_ARG,
+                         "the projection has %s and makes %" PRIu32 " of %" PRIu32
+                         " numbers, expected 1 to all of them, or 0 and no directions",
+                         i->projection ? "directions" : "no directions", i->dim, i->raw_dim);
+    for (size_t n = 0; i->projection && n < (size_t)i->dim * i->raw_dim; n++)
+        if (!isfinite(i->projection[n]))
+            return vdna_fail(error, VDNA_ERR_ARG,
+                             "direction %zu of the projection has a NaN or an infinity",
+                             n / i->raw_dim);
+    return VDNA_OK;
+}
+
 /* see vdna/identity.h */
 vdna_status vdna_identity_check(const vdna_identity *identity, vdna_error *error)
 {
     if (!identity)
         return vdna_fail(error, VDNA_ERR_ARG, "the identity to check is missing");
     static vdna_status (*const checks[])(const vdna_identity *, vdna_error *) = {
-        check_texts, check_taps, check_bins, check_range};
+        check_texts, check_taps, check_bins, check_range, check_projection};
     for (size_t c = 0; c < sizeof checks / sizeof *checks; c++) {
         const vdna_status status = checks[c](identity, error);
         if (status != VDNA_OK)

@@ -60,6 +60,12 @@ static vdna_status compare_embeddings(const vdna_identity *a, const vdna_identit
     return compare_texts("embedding", embedding_of(a), embedding_of(b), error);
 }
 
+/* Numbers that the network gives, of which a projection keeps some. */
+static uint32_t raw_dim_of(const vdna_identity *identity)
+{
+    return identity->projection ? identity->raw_dim : identity->dim;
+}
+
 static vdna_status compare_models(const vdna_identity *a, const vdna_identity *b, vdna_error *error)
 {
     if (strcmp(a->model_sha256, b->model_sha256) == 0)
@@ -89,6 +95,45 @@ static vdna_status compare_ranges(const vdna_identity *a, const vdna_identity *b
     return VDNA_OK;
 }
 
+/* Compare directions, of equally many numbers. */
+static vdna_status compare_directions(const vdna_identity *a, const vdna_identity *b,
+                                      vdna_error *error)
+{
+    for (size_t n = 0; n < (size_t)a->dim * a->raw_dim; n++) {
+        if (memcmp(a->projection + n, b->projection + n, sizeof(float)) == 0)
+            continue;
+        char field[72], of_a[24], of_b[24];
+        snprintf(field, sizeof field, "number %zu of direction %zu of the projection",
+                 n % a->raw_dim, n / a->raw_dim);
+        snprintf(of_a, sizeof of_a, "%.9g", (double)a->projection[n]);
+        snprintf(of_b, sizeof of_b, "%.9g", (double)b->projection[n]);
+        return differ(field, of_a, of_b, error);
+    }
+    return VDNA_OK;
+}
+
+static void print_projection(const vdna_identity *identity, char out_text[64])
+{
+    if (identity->projection)
+        snprintf(out_text, 64, "of %" PRIu32 " numbers to %" PRIu32, identity->raw_dim,
+                 identity->dim);
+    else
+        memcpy(out_text, "none", sizeof "none");
+}
+
+/* The projection, or that there is none, is known where the range is. */
+static vdna_status compare_projections(const vdna_identity *a, const vdna_identity *b,
+                                       vdna_error *error)
+{
+    if (!a->range || !b->range)
+        return VDNA_OK;
+    char of_a[64], of_b[64];
+    print_projection(a, of_a);
+    print_projection(b, of_b);
+    const vdna_status status = compare_texts("projection", of_a, of_b, error);
+    return status == VDNA_OK && a->projection ? compare_directions(a, b, error) : status;
+}
+
 /* see vdna/identity.h */
 vdna_status vdna_identity_compare(const vdna_identity *a, const vdna_identity *b, vdna_error *error)
 {
@@ -104,8 +149,10 @@ vdna_status vdna_identity_compare(const vdna_identity *a, const vdna_identity *b
     if (status == VDNA_OK)
         status = compare_embeddings(a, b, error);
     if (status == VDNA_OK)
-        status = compare_numbers("dim", a->dim, b->dim, error);
+        status = compare_numbers("dim", raw_dim_of(a), raw_dim_of(b), error);
     if (status == VDNA_OK)
         status = compare_numbers("bins", a->bins, b->bins, error);
-    return status == VDNA_OK ? compare_ranges(a, b, error) : status;
+    if (status == VDNA_OK)
+        status = compare_ranges(a, b, error);
+    return status == VDNA_OK ? compare_projections(a, b, error) : status;
 }

@@ -18,6 +18,14 @@
  * about a mean only. */
 static const double by_any_distance[4] = {-2.5, 0.53, 1.1, 0};
 
+/* Distances along fewer directions are smaller, so the confidence has other constants: fitted for
+ * 16 to 256 directions (docs/concepts/paper.md). */
+static void suit_fewer_directions(uint32_t directions, double confidence[4])
+{
+    confidence[0] = 1 + 0.65 * log2(directions / 64.0);
+    confidence[3] = -10.4;
+}
+
 static int compare_doubles(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
@@ -120,5 +128,7 @@ vdna_status vdna_experience_localise_config(const vdna_experience *experience, d
     config->place = is_index(place, frames) ? NULL : place;
     if (!vdna_identity_is_centred(&experience->identity))
         memcpy(config->confidence, by_any_distance, sizeof by_any_distance);
+    else if (experience->identity.projection)
+        suit_fewer_directions(experience->identity.dim, config->confidence);
     return VDNA_OK;
 }

@@ -13,6 +13,7 @@ void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDN
         {"counts", "U32", 4, 0, e->identity.bins, e->identity.neurons, e->counts},
         {"mass", "U32", 4, 0, e->identity.neurons, 0, e->mass},
         {"range", "F32", 4, 0, e->identity.neurons, 2, e->identity.range},
+        {"projection", "F32", 4, 1, e->identity.dim, e->identity.raw_dim, e->identity.projection},
         {"embeddings", "F32", 4, 1, e->frames, e->identity.dim,
          e->embedding_codes ? NULL : e->embeddings},
         {"frame_grey", "F32", 4, 0, e->frames, 0, e->frame_grey},
@@ -27,6 +28,8 @@ void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDN
 unsigned vdna_layout_version(const vdna_experience *experience)
 {
     const vdna_experience *e = experience;
+    if (e->identity.projection)
+        return 4;
     if (e->identity.embedding[0] != '\0' || e->last_layer || e->embedding_codes)
         return 3;
     for (size_t f = 0; f < e->frames; f++)

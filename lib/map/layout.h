@@ -12,6 +12,7 @@ enum {
     VDNA_FIELD_COUNTS,
     VDNA_FIELD_MASS,
     VDNA_FIELD_RANGE,
+    VDNA_FIELD_PROJECTION,
     VDNA_FIELD_EMBEDDINGS,
     VDNA_FIELD_GREY,
     VDNA_FIELD_EMBEDDING_SCALE,
@@ -34,8 +35,9 @@ typedef struct vdna_field {
     const void *data; /* NULL = absent */
 } vdna_field;
 
-/* The oldest version of the format that allows all of `experience`: 3 for an embedding of which
- * older readers know nothing, 2 if a frame lacks the ground truth that others have. */
+/* The oldest version of the format that allows all of `experience`: 4 for embeddings that are
+ * projected, 3 for an embedding of which older readers know nothing, 2 if a frame lacks the ground
+ * truth that others have. */
 unsigned vdna_layout_version(const vdna_experience *experience);
 
 /* Describe the tensors of `experience`: shapes from its sizes, data from its pointers. */

@@ -188,6 +188,14 @@ static vdna_status read_last_layer_size(const vdna_header *header, vdna_error *r
     return read_sizes(header, "frame_last_layer", reason, &rows, &e->last_layer_dim);
 }
 
+static vdna_status read_raw_dim(const vdna_header *header, vdna_error *reason, vdna_experience *e)
+{
+    uint32_t rows; /* read_fields() compares them with the numbers kept */
+    if (!vdna_header_tensor(header, "projection"))
+        return VDNA_OK;
+    return read_sizes(header, "projection", reason, &rows, &e->identity.raw_dim);
+}
+
 static vdna_status read_fields(const unsigned char *bytes, const vdna_header *header,
                                const vdna_experience *e, vdna_error *reason,
                                vdna_field fields[VDNA_FIELD_COUNT])
@@ -218,6 +226,8 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
     if (status == VDNA_OK)
         status = read_last_layer_size(header, reason, e);
     if (status == VDNA_OK)
+        status = read_raw_dim(header, reason, e);
+    if (status == VDNA_OK)
         status = read_fields(bytes, header, e, reason, fields);
     if (status != VDNA_OK)
         return status;
@@ -228,6 +238,7 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
     e->counts = fields[VDNA_FIELD_COUNTS].data;
     e->mass = fields[VDNA_FIELD_MASS].data;
     e->identity.range = fields[VDNA_FIELD_RANGE].data;
+    e->identity.projection = fields[VDNA_FIELD_PROJECTION].data;
     e->embeddings = fields[VDNA_FIELD_EMBEDDINGS].data;
     e->frame_grey = fields[VDNA_FIELD_GREY].data;
     e->last_layer_scale = fields[VDNA_FIELD_LAST_LAYER_SCALE].data;

@@ -1,6 +1,6 @@
 /* The bridge for test_map.py: writes the sample experience, or prints one written by others.
  *
- *     experience_dump write|write-codes FILE
+ *     experience_dump write|write-codes|write-projected FILE
  *     experience_dump read FILE     a line each: the field's name, then its numbers or its text */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
@@ -58,6 +58,7 @@ static void print(const vdna_experience *e)
     print_unsigned("counts", e->counts, e->identity.bins * neurons);
     print_unsigned("mass", e->mass, neurons);
     print_floats("range", e->identity.range, 2 * neurons);
+    print_floats("projection", e->identity.projection, e->identity.dim * e->identity.raw_dim);
     print_floats("embeddings", e->embeddings, frames * e->identity.dim);
     print_signed("frame_utime", e->frame_utime, frames);
     print_signed("frame_place", e->frame_place, frames);
@@ -72,11 +73,13 @@ static void print(const vdna_experience *e)
 int main(int argc, char **argv)
 {
     vdna_error error;
-    const int codes = argc == 3 && strcmp(argv[1], "write-codes") == 0;
-    const int writes = codes || (argc == 3 && strcmp(argv[1], "write") == 0);
-    vdna_experience e = codes ? coded_experience() : sample_experience();
-    if (!writes && (argc != 3 || strcmp(argv[1], "read") != 0)) {
-        fprintf(stderr, "usage: experience_dump write|write-codes|read FILE\n");
+    const char *const mode = argc == 3 ? argv[1] : "";
+    const int writes = strncmp(mode, "write", strlen("write")) == 0;
+    vdna_experience e = strcmp(mode, "write-codes") == 0       ? coded_experience()
+                        : strcmp(mode, "write-projected") == 0 ? projected_experience()
+                                                               : sample_experience();
+    if (!writes && strcmp(mode, "read") != 0) {
+        fprintf(stderr, "usage: experience_dump write|write-codes|write-projected|read FILE\n");
         return 2;
     }
     const vdna_status status = writes ? vdna_experience_write(&e, argv[2], &error)

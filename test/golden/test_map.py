@@ -193,6 +193,22 @@ class Experience(unittest.TestCase):
         decoded = CODED["frame_embedding"] * CODED["frame_embedding_scale"][:, None]
         np.testing.assert_array_equal(np.float32(found["embeddings"].split()), decoded.ravel())
 
+    def test_a_projection_is_of_version_4(self):
+        self.assertEqual(self.dump("write-projected").stderr, "")
+        written = load_file(self.path)
+        projection = np.zeros((5, 6), np.float32)
+        projection[[0, 1, 2, 3, 3, 4, 4], [0, 1, 3, 4, 5, 4, 5]] = [1, -1, 0.5, 1, 1, -1, 1]
+        np.testing.assert_array_equal(written["projection"], projection)
+        ours = self.read_with_ours()["comparable"]
+
+        del written["crc32c"]
+        metadata = dict(SAMPLE_METADATA, embedding="mid grid=1x3 last=top centred")
+        RECIPE["write_experience"](self.path, written, metadata)
+        with safe_open(self.path, "numpy") as file:
+            self.assertEqual(file.metadata()["format_version"], "4")
+        self.assert_ours_reads(written, metadata)
+        self.assertEqual(self.read_with_ours()["comparable"], ours)
+
     def test_a_bit_behind_the_checksum_counts_as_well(self):
         RECIPE["write_experience"](self.path, SAMPLE, SAMPLE_METADATA)
         with open(self.path, "rb+") as file:

@@ -75,6 +75,21 @@ static inline vdna_experience coded_experience(void)
     return coded;
 }
 
+/* The one with the grid, of whose six numbers the map keeps five: not the third. */
+static inline vdna_experience projected_experience(void)
+{
+    static const float projection[5][6] = {{1, 0, 0, 0, 0, 0},
+                                           {0, -1, 0, 0, 0, 0},
+                                           {0, 0, 0, 0.5f, 0, 0},
+                                           {0, 0, 0, 0, 1, 1},
+                                           {0, 0, 0, 0, -1, 1}};
+    vdna_experience projected = grid_experience();
+    strcpy(projected.identity.embedding, "mid grid=1x3 last=top centred");
+    projected.identity.projection = projection[0];
+    projected.identity.raw_dim = 6;
+    return projected;
+}
+
 /* Where a test's files are; made by make_directory(), removed with all in it by
  * remove_directory(). */
 typedef struct directory {

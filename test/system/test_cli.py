@@ -235,6 +235,90 @@ class Build(Scratch):
                                          "--matches")["candidates"][0]["matches"]
                 self.assertEqual([match["frame"] for match in matches], [0, 1, 2])
 
+    def with_dims(self, dims, more=""):
+        """A manifest of the default network whose maps keep so many numbers; returns its path."""
+        text = (MODELS / "efficientnet_lite0.toml").read_text()
+        text = text.replace('model = "', f'model = "{MODELS}/', 1)
+        text = text.replace("grid = 3", f"grid = 3\ndims = {dims}\n{more}\n", 1)
+        (self.folder / f"dims{dims}.toml").write_text(text)
+        return f"./dims{dims}.toml"
+
+    def test_a_map_of_fewer_numbers_localises_as_well(self):
+        for i, condition in enumerate(("spring", "overcast", "autumn", "summer")):
+            self.vdna("simulate", condition, "--condition", condition, "--frames", 80, "--step", 2,
+                      "--drive", i)
+        few = self.with_dims(64)
+        self.vdna("build", "few", "spring", "overcast", "--backbone", few)
+        self.vdna("build", "few", "autumn")  # by the network's own manifest
+        self.vdna("build", "few", "summer", "--name", "again", "--backbone", few)
+        self.vdna("build", "all", "spring", "overcast", "autumn", "summer")
+        for told in self.vdna_json("info", "few")["experiences"]:
+            self.assertEqual((told["dim"], told["raw_dim"], told["last_layer_dim"]),
+                             (64, 1008, 1280))
+        for told in self.vdna_json("info", "all")["experiences"]:
+            self.assertEqual((told["dim"], told["raw_dim"]), (1008, 1008))
+
+        first, later = (Experience(self.folder / f"few/{name}.vdna") for name in
+                        ("spring", "autumn"))
+        self.assertEqual(first.metadata["format_version"], "4")
+        self.assertEqual(first.tensors["projection"], later.tensors["projection"])
+        self.assertEqual(first.metadata["comparable"], later.metadata["comparable"])
+        whole = Experience(self.folder / "all/autumn.vdna").tensors["embeddings"]
+        for d in (0, 63):
+            direction = first.tensors["projection"][1008 * d:1008 * (d + 1)]
+            self.assertAlmostEqual(math.hypot(*direction), 1, places=6)
+            self.assertGreater(max(direction), -min(direction))
+            for frame in (0, 79):
+                product = math.fsum(a * b for a, b in zip(
+                    direction, whole[1008 * frame:1008 * (frame + 1)]))
+                self.assertAlmostEqual(later.tensors["embeddings"][64 * frame + d], product,
+                                       places=4)
+
+        recall = {}
+        for folder in ("few", "all"):
+            for backbone in ("efficientnet_lite0", few):
+                told = self.vdna_json("localise", "summer", folder, "--backbone", backbone,
+                                      "--in", "spring", "--in", "overcast", "--in", "autumn")
+                recall[folder, backbone] = [c["recall_percent"] for c in told["candidates"]]
+        self.assertEqual(recall["few", few], recall["few", "efficientnet_lite0"])
+        self.assertEqual(recall["all", few], recall["all", "efficientnet_lite0"])
+        for of_few, of_all in zip(recall["few", few], recall["all", few]):
+            self.assertGreaterEqual(of_few, of_all - 2.5)  # two of 80 frames
+        ranked = [self.vdna_json("rank", "summer", folder, "--warmup", 40)["ranking"][0]["experience"]
+                  for folder in ("few", "all")]
+        self.assertEqual(ranked, ["again" if folder == "few" else "summer" for folder in
+                                  ("few", "all")])
+
+    def test_fewer_numbers_are_those_of_the_map_or_of_the_ranges_file(self):
+        self.pictures("a", range(8))
+        self.pictures("b", range(8, 16))
+        few, fewer = self.with_dims(4), self.with_dims(3, 'storage = "int8"')
+        sentence = self.refused("build", "map", "a", "--backbone", self.with_dims(8))
+        self.assertIn("backbone efficientnet_lite0: 8 numbers of each embedding are to be kept "
+                      "('dims'), but the 8 frames of 1 experience vary in 7 directions", sentence)
+        self.assertFalse((self.folder / "map").exists())
+
+        self.vdna("build", "map", "a", "--backbone", few)
+        sentence = self.refused("build", "map", "b", "--backbone", fewer)
+        self.assertIn("keeps 3 numbers of each embedding ('dims' of its manifest), a has 4; leave "
+                      "'dims' out, or rebuild all experiences of the map with --force", sentence)
+
+        # Another map with the ranges of the first has its projection, whose files compare.
+        self.vdna("build", "same", "b", "--ranges", "map/a.vdna")
+        self.vdna("rank", "same/b.vdna", "map/a.vdna")
+        # One that learned its own does not, whatever the ranges.
+        self.vdna("calibrate", "ranges.json", "a")
+        self.vdna("build", "own", "b", "--ranges", "ranges.json", "--backbone", few)
+        self.vdna("build", "other", "a", "--ranges", "ranges.json", "--backbone", few)
+        self.assertIn("of the projection is ", self.refused("rank", "own/b.vdna", "other/a.vdna"))
+
+        # Codes are of the numbers that are kept.
+        self.vdna("build", "coded", "a", "--backbone", fewer)
+        told = self.vdna_json("info", "coded")["experiences"][0]
+        self.assertEqual((told["storage"], told["dim"], told["raw_dim"]), ("int8", 3, 1008))
+        matches = self.vdna_json("localise", "a", "coded", "--matches")
+        self.assertEqual(len(matches["candidates"][0]["matches"]), 8)
+
     def test_a_map_of_one_layer_is_refused_with_both_remedies_or_used_as_it_was_made(self):
         self.pictures("a", range(3))
         self.vdna("build", "map", "a", "--backbone", PAPERS)

@@ -25,7 +25,7 @@ extern "C" {
     "efficientnet_lite0"                 /**< network of programs that are told no other */
 #define VDNA_BACKBONE_THREADS_DEFAULT 2u /**< compute threads of a network */
 #define VDNA_BACKBONE_THREADS_MAX 256u   /**< most compute threads of a network */
-#define VDNA_BACKBONE_OPERATIONS 2u      /**< version of the table of operations */
+#define VDNA_BACKBONE_OPERATIONS 3u      /**< version of the table of operations */
 
 /** An open network. One thread at a time, except for vdna_backbone_cancel(). */
 typedef struct vdna_backbone vdna_backbone;
@@ -63,6 +63,10 @@ typedef struct vdna_backbone_info {
     uint32_t last_layer_dim; /**< numbers in the second embedding, of the last layer; 0 = none */
     uint32_t embedding_int8; /**< 1 = experience files have embeddings as codes of vdna/int8.h, with
                                 a scale for each frame; 0 = as floats. A frame has floats always */
+    uint32_t embedding_dims; /**< numbers that experience files keep of an embedding, by a
+                                  projection that each new map learns, 1..dim; 0 = all of them.
+                                  A frame has all of them always */
+    uint32_t reserved;       /**< 0 */
 } vdna_backbone_info;
 
 /** What one picture gave. All pointers are borrowed until the next call with this backbone. */

@@ -37,7 +37,8 @@ extern "C" {
  *  @param place       [frames], room for the numbers
  *  @param config      from vdna_localise_config_init(): `tolerance` and `clutter` are set,
  *                     `confidence`, to constants that do not look at distances, if embeddings are
- *                     not about a mean, and `place`, to NULL if every number is the index, else to `place`
+ *                     not about a mean, or that fit their distances if they are projected, and
+ * `place`, to NULL if every number is the index, else to `place`
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NOMEM. After an error the config is as it was */
 VDNA_API vdna_status vdna_experience_localise_config(const vdna_experience *experience,
                                                      double tolerance, int64_t *place,

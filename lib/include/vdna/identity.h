@@ -6,7 +6,8 @@
  *  backbone and a file of ranges each carry an identity and are all compared alike.
  *
  *  A field that is not known yet (dim, bins, range) is not compared: a backbone, for instance,
- *  knows neither bins nor ranges. The definition of the embedding is known if `dim` is.
+ *  knows neither bins nor ranges. The definition of the embedding is known if `dim` is, the
+ *  projection of embeddings, or that there is none, if `range` is.
  */
 #ifndef VDNA_IDENTITY_H
 #define VDNA_IDENTITY_H
@@ -42,7 +43,8 @@ typedef struct vdna_identity {
     char taps[VDNA_TAPS_SIZE]; /**< "NAME:NEURONS:SAMPLES[,...]" in the order of the neurons; read
                                     with vdna_taps_next(), written with vdna_taps_append() */
     uint32_t neurons;          /**< of all taps, >= 1 */
-    uint32_t dim;              /**< numbers in an embedding; 0 = not known yet */
+    uint32_t dim;              /**< numbers in an embedding, after the projection if there is one;
+                                    0 = not known yet */
     uint32_t bins;             /**< VDNA_HIST_BINS_MIN..VDNA_HIST_BINS_MAX; 0 = not known yet */
     const float *range;        /**< [neurons][2], passes vdna_range_check(); NULL = not known yet.
                                     Borrowed; the code that fills the identity says for how long */
@@ -50,6 +52,12 @@ typedef struct vdna_identity {
                                               words of printable ASCII characters, one blank between
                                               two (docs/reference/SPEC-map.md). "" = one whole
                                               output, as in all files before format 3 */
+    const float
+        *projection;   /**< [dim][raw_dim], finite: directions that a map learned, of which an
+                            experience keeps the coordinates of its embeddings; NULL = none,
+                            embeddings are kept as the network gives them. Borrowed as range */
+    uint32_t raw_dim;  /**< numbers that the network gives, >= dim; 0 = no projection */
+    uint32_t reserved; /**< 0 */
 } vdna_identity;
 
 /** One entry of a list of taps. */
@@ -61,15 +69,19 @@ typedef struct vdna_tap {
 } vdna_tap;
 
 /** Check the fields: alphabets and lengths of the texts, taps that parse and add up to `neurons`,
- *  bins and range if known, the definition of the embedding unless it is "".
+ *  bins and range if known, the definition of the embedding unless it is "", the projection if
+ *  there is one.
  *  @param identity  any bytes
  *  @param error  names the field, what was found and what was expected; NULL = not wanted
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_MISMATCH if the taps do not add up */
 VDNA_API vdna_status vdna_identity_check(const vdna_identity *identity, vdna_error *error);
 
 /** Check that Visual DNAs of two identities may be compared: same model, preprocessing, taps,
- *  neurons, and, if known to both, embedding, dim, bins and range (by its bits).
- *  @param a, b   texts are NUL-terminated; `range` has `neurons` rows or is NULL
+ *  neurons, and, if known to both, embedding, what the network gives for it (raw_dim, or dim
+ *  without a projection), bins, range and projection (by their bits). So a backbone compares with
+ *  the maps of its embeddings, projected or not.
+ *  @param a, b   texts are NUL-terminated; `range` has `neurons` rows or is NULL, `projection`
+ *                [dim][raw_dim] or is NULL
  *  @param error  names the first field that differs and both values: "bins is 4 in one and 8 in the
  *                other", `one` being a. If models differ because their precision does, it names the
  *                precision. Long values are shown from where they differ. The caller adds the place
@@ -79,15 +91,17 @@ VDNA_API vdna_status vdna_identity_compare(const vdna_identity *a, const vdna_id
                                            vdna_error *error);
 
 /** Write the canonical text (docs/reference/SPEC-map.md): one line each for its version, model,
- *  preprocessing, taps, dim and bins, and embedding unless that is "".
+ *  preprocessing, taps, dim and bins, embedding unless that is "", and embedding and raw_dim if
+ *  there is a projection.
  *  @param identity  passes vdna_identity_check()
  *  @param out_text  NUL-terminated
  *  @return VDNA_OK; VDNA_ERR_ARG */
 VDNA_API vdna_status vdna_identity_text(const vdna_identity *identity,
                                         char out_text[VDNA_IDENTITY_TEXT_SIZE]);
 
-/** Compute the SHA-256 of the canonical text and the range's bytes. Complete identities compare if
- *  and only if their hashes are equal; experience files carry it as `comparable`.
+/** Compute the SHA-256 of the canonical text and the bytes of the range and of the projection, if
+ *  any. Complete identities compare if and only if their hashes are equal; experience files carry
+ *  it as `comparable`.
  *  @param identity  passes vdna_identity_check()
  *  @param out_sha256  NUL-terminated
  *  @return VDNA_OK; VDNA_ERR_ARG, also if dim, bins or range is not known */
@@ -104,6 +118,18 @@ VDNA_API const char *vdna_identity_precision(const vdna_identity *identity);
  *  @param identity  its `embedding` is NUL-terminated; NULL is allowed
  *  @return 1 if so, else 0 */
 VDNA_API int vdna_identity_is_centred(const vdna_identity *identity);
+
+/** Make of an embedding what experiences of this identity keep of it, for a live frame that meets
+ *  them: its scalar product with each direction of the projection, summed in double precision from
+ *  the first number to the last and then rounded to float: within half a unit in the last place,
+ *  and raw_dim 2^-53 of the sum of magnitudes, of the exact value, and the same bits on every
+ *  machine. Without a projection, a copy. A product beyond the floats is infinite.
+ *  @param identity  passes vdna_identity_check(); dim is known
+ *  @param embedding  as the network gives it: [raw_dim], or [dim] without a projection
+ *  @param out_embedding  [dim], apart from `embedding`
+ *  @return VDNA_OK; VDNA_ERR_ARG */
+VDNA_API vdna_status vdna_identity_project(const vdna_identity *identity, const float *embedding,
+                                           float *out_embedding);
 
 /** Read the next tap of a list.
  *  @param text  at first points to a list of taps; after VDNA_OK to the text after the tap;

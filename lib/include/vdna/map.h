@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-#define VDNA_MAP_FORMAT 3u         /**< version of the experience file format */
+#define VDNA_MAP_FORMAT 4u         /**< version of the experience file format */
 #define VDNA_MAP_EXTENSION ".vdna" /**< file name ending of an experience */
 #define VDNA_MAP_FILE_SIZE 256u    /**< bytes of a file's name in a map, its NUL included */
 #define VDNA_PLACE_NONE INT64_MIN  /**< place number of a frame without ground truth */
@@ -26,13 +26,15 @@ extern "C" {
 typedef struct vdna_experience {
     char name[VDNA_NAME_SIZE];         /**< of the traversal: "winter"; passes vdna_name_check() */
     vdna_identity identity;            /**< what it compares with; complete in an experience.
-                                            `range` belongs to the file, or to the code that fills
-                                            this */
+                                            `range` and `projection` belong to the file, or to the
+                                            code that fills this */
     char comparable[VDNA_SHA256_SIZE]; /**< vdna_identity_hash(); the writer computes it */
     uint32_t frames;                   /**< >= 1 */
     const uint32_t *counts;            /**< [bins][neurons] */
     const uint32_t *mass;              /**< [neurons], sums of the counts */
-    const float *embeddings;           /**< [frames][dim], finite: what frames are localised by */
+    const float *embeddings;           /**< [frames][dim], finite: what frames are localised by; a
+                                            live frame's is vdna_identity_project() of what the
+                                            network gives */
     const int64_t *frame_utime;        /**< [frames], camera stamps in microseconds */
     const int64_t *frame_place;   /**< [frames], place numbers, VDNA_PLACE_NONE = this frame has
                                        none; NULL = not labelled with places */

@@ -8,6 +8,7 @@
 #define VDNA_PICTURE_H
 
 #include <vdna/image.h>
+#include <vdna/pixels.h>
 #include <vdna/status.h>
 
 #ifdef __cplusplus
@@ -16,17 +17,6 @@ extern "C" {
 
 /** Decodes one picture after the other into the same memory. One thread at a time. */
 typedef struct vdna_decoder vdna_decoder;
-
-/** Pixels of a decoded picture, 8 bits a channel, top row first. Whoever fills the struct says how
- *  long `data` is borrowed. */
-typedef struct vdna_pixels {
-    const uint8_t *data; /**< first byte of the top row; borrowed */
-    size_t stride;       /**< bytes from row to row, >= width * channels */
-    uint32_t width;      /**< pixels, 1..VDNA_IMAGE_SIDE_MAX */
-    uint32_t height;     /**< pixels, 1..VDNA_IMAGE_SIDE_MAX */
-    uint32_t channels;   /**< bytes of a pixel: 1 (grey), 3 or 4 */
-    uint32_t rgb[3];     /**< which byte of a pixel is red, green, blue; all 0 for grey */
-} vdna_pixels;
 
 /** Open a decoder. It allocates its memory for pixels now and none later; that memory is not
  *  resident before a picture needs it. libjpeg allocates and frees its own for each JPEG

@@ -54,6 +54,25 @@ def test_a_second_embedding_comes_back_within_half_a_step(tmp_path):
     assert (plain.identity.embedding, plain.identity.is_centred, plain.last_layer) == ("", False, None)
 
 
+def test_a_projection_comes_back_and_projects_live_frames(tmp_path):
+    projection = np.eye(5, 7, 1, np.float32)
+    small_experience(projection=projection).write(tmp_path / "winter.vdna")
+    read = Experience.open(tmp_path / "winter.vdna")
+    np.testing.assert_array_equal(read.identity.projection, projection)
+    assert read.identity.text.splitlines()[0] == "vdna-comparable 3"
+    np.testing.assert_array_equal(read.identity.project(range(7)), [1, 2, 3, 4, 5])
+    with pytest.raises(ValueError, match=r"embedding has the shape \[5\], expected \[7\]"):
+        read.identity.project(range(5))
+    with pytest.raises(VdnaError, match="projection is none in one and of 7 numbers to 5"):
+        small_experience(embeddings=np.zeros((2, 7))).check_comparable(read)
+
+    plain = small_experience()
+    assert plain.identity.projection is None
+    np.testing.assert_array_equal(plain.identity.project(range(5)), range(5))
+    with pytest.raises(ValueError, match="projection has the shape"):
+        small_experience(projection=np.eye(4, 7))
+
+
 def test_labels_may_be_left_out(tmp_path):
     small_experience(frame_place=None, frame_position=None).write(tmp_path / "winter.vdna")
     read = Experience.open(tmp_path / "winter.vdna")

@@ -44,6 +44,19 @@ def test_what_is_not_known_yet_is_none_and_not_compared():
     network.check_comparable(other)
 
 
+def test_a_network_compares_with_what_is_kept_of_its_embeddings():
+    projection = np.eye(5, 7, dtype=np.float32)
+    kept = Identity(**FIELDS, dim=5, bins=4, range=RANGE, projection=projection)
+    assert kept.projection.ctypes.data == projection.ctypes.data  # not copied
+    Identity(**FIELDS, dim=7).check_comparable(kept)
+    with pytest.raises(VdnaError, match="^dim is 5 in one and 7 in the other$"):
+        Identity(**FIELDS, dim=5).check_comparable(kept)
+    with pytest.raises(ValueError, match="projection has the shape"):
+        Identity(**FIELDS, dim=4, projection=projection)
+    with pytest.raises(VdnaError, match="makes 0 of 7 numbers"):
+        Identity(**FIELDS, projection=projection)
+
+
 def test_a_comparison_names_the_field_and_both_values():
     int8 = Identity(**{**FIELDS, "model_sha256": SHA256[::-1]}, precision="int8")
     with pytest.raises(VdnaError, match="^precision is fp32 in one and int8 in the other$") as found:

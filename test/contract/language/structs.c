@@ -97,6 +97,68 @@ static void print_localise(void)
     FIELD(vdna_localise_answer, nearest_distance);
 }
 
+static void print_trust(void)
+{
+    STRUCT(vdna_trust_run);
+    FIELD(vdna_trust_run, embeddings);
+    FIELD(vdna_trust_run, last_layer);
+    FIELD(vdna_trust_run, last_layer_scale);
+    FIELD(vdna_trust_run, place);
+    FIELD(vdna_trust_run, position);
+    FIELD(vdna_trust_run, frames);
+    FIELD(vdna_trust_run, dim);
+    FIELD(vdna_trust_run, last_layer_dim);
+    FIELD(vdna_trust_run, reserved);
+
+    STRUCT(vdna_trust_cell);
+    FIELD(vdna_trust_cell, nearest);
+    FIELD(vdna_trust_cell, likeness);
+    FIELD(vdna_trust_cell, recall);
+    FIELD(vdna_trust_cell, distance);
+
+    STRUCT(vdna_trust_tables);
+    FIELD(vdna_trust_tables, frames);
+    FIELD(vdna_trust_tables, own_scale);
+    FIELD(vdna_trust_tables, correlation);
+    FIELD(vdna_trust_tables, cells);
+
+    STRUCT(vdna_trust_config);
+    FIELD(vdna_trust_config, struct_size);
+    FIELD(vdna_trust_config, runs);
+    FIELD(vdna_trust_config, tables);
+    FIELD(vdna_trust_config, localiser);
+    FIELD(vdna_trust_config, reserved);
+    FIELD(vdna_trust_config, min_recall);
+    FIELD(vdna_trust_config, switch_cost);
+
+    STRUCT(vdna_trust_prediction);
+    FIELD(vdna_trust_prediction, recall);
+    FIELD(vdna_trust_prediction, low);
+    FIELD(vdna_trust_prediction, high);
+    FIELD(vdna_trust_prediction, transfer);
+    FIELD(vdna_trust_prediction, nearest);
+    FIELD(vdna_trust_prediction, reason);
+    FIELD(vdna_trust_prediction, reserved);
+
+    STRUCT(vdna_trust_answer);
+    FIELD(vdna_trust_answer, verdict);
+    FIELD(vdna_trust_answer, frames);
+    FIELD(vdna_trust_answer, choice);
+    FIELD(vdna_trust_answer, settled_frames);
+    FIELD(vdna_trust_answer, unlike);
+
+    STRUCT(vdna_trust_fit);
+    FIELD(vdna_trust_fit, labelled);
+    FIELD(vdna_trust_fit, by_likeness);
+    FIELD(vdna_trust_fit, skill);
+    FIELD(vdna_trust_fit, slope);
+    FIELD(vdna_trust_fit, sd);
+    FIELD(vdna_trust_fit, sd_best);
+    FIELD(vdna_trust_fit, quantile);
+    FIELD(vdna_trust_fit, far);
+    FIELD(vdna_trust_fit, correlation);
+}
+
 static void print_select(void)
 {
     STRUCT(vdna_select_candidate);
@@ -151,6 +213,9 @@ static void print_map(void)
     FIELD(vdna_identity, bins);
     FIELD(vdna_identity, range);
     FIELD(vdna_identity, embedding);
+    FIELD(vdna_identity, projection);
+    FIELD(vdna_identity, raw_dim);
+    FIELD(vdna_identity, reserved);
 
     STRUCT(vdna_tap);
     FIELD(vdna_tap, name);
@@ -210,6 +275,8 @@ static void print_backbone(void)
     FIELD(vdna_backbone_info, decode_bytes);
     FIELD(vdna_backbone_info, last_layer_dim);
     FIELD(vdna_backbone_info, embedding_int8);
+    FIELD(vdna_backbone_info, embedding_dims);
+    FIELD(vdna_backbone_info, reserved);
 
     STRUCT(vdna_backbone_frame);
     FIELD(vdna_backbone_frame, taps);
@@ -229,6 +296,7 @@ int main(void)
 {
     print_core();
     print_localise();
+    print_trust();
     print_select();
     print_map();
     print_backbone();

@@ -1,5 +1,5 @@
-/* portable THREADS: do everything that the core, the selector and the localiser do on made-up
- * frames, and the checksum of experience files, and print the results to the last bit, for
+/* portable THREADS: do everything that the core, the selector, the localiser and trust do on
+ * made-up frames, and the checksum of experience files, and print the results to the last bit, for
  * portable.py to compare between machines and with its own.
  *
  * All values are small integers times powers of two, so making them rounds nothing. Numbers are
@@ -486,6 +486,108 @@ static void localise(uint32_t centred)
     free(prepared);
 }
 
+/* ---- Trust: the tables of made-up runs, a warmup, predictions, another choice ---- */
+
+enum { TRUST_RUNS = 4, TRUST_DIM = 19, TRUST_FRAMES = 40 };
+
+static float trust_frames[TRUST_RUNS + 1][TRUST_FRAMES][TRUST_DIM];
+static int8_t trust_codes[TRUST_RUNS + 1][TRUST_FRAMES][TRUST_DIM];
+static float trust_scales[TRUST_RUNS + 1][TRUST_FRAMES];
+
+static void make_trust_runs(vdna_trust_run *runs)
+{
+    static int64_t place[TRUST_FRAMES];
+    memset(runs, 0, (TRUST_RUNS + 1) * sizeof *runs);
+    for (int r = 0; r <= TRUST_RUNS; r++) {
+        random_state = 6; /* the same route */
+        for (int f = 0; f < TRUST_FRAMES; f++)
+            for (int k = 0; k < TRUST_DIM; k++)
+                trust_frames[r][f][k] = scaled((int32_t)random_below(2000) - 900, k % 3 - 9);
+        random_state = (uint32_t)r + 7; /* of other looks */
+        for (int f = 0; f < TRUST_FRAMES; f++) {
+            for (int k = 0; k < TRUST_DIM; k++)
+                trust_frames[r][f][k] +=
+                    scaled((int32_t)random_below(2000), r - 8) + 0.25f * (float)r;
+            OK(vdna_int8_encode(trust_frames[r][f], TRUST_DIM, trust_codes[r][f],
+                                &trust_scales[r][f]));
+            place[f] = f;
+        }
+        runs[r].embeddings = trust_frames[r][0];
+        runs[r].last_layer = trust_codes[r][0];
+        runs[r].last_layer_scale = trust_scales[r];
+        runs[r].place = place;
+        runs[r].frames = TRUST_FRAMES;
+        runs[r].dim = runs[r].last_layer_dim = TRUST_DIM;
+    }
+}
+
+static void trust_the_choice(uint32_t localiser)
+{
+    static vdna_trust_cell cells[TRUST_RUNS][TRUST_RUNS];
+    static uint32_t frames[TRUST_RUNS];
+    static double own[TRUST_RUNS], tau[TRUST_RUNS], relative[TRUST_RUNS][TRUST_FRAMES], pairs[3];
+    vdna_trust_run runs[TRUST_RUNS + 1];
+    make_trust_runs(runs);
+    const size_t scratch_size = vdna_trust_pair_scratch_size(&runs[0], &runs[1]);
+    void *scratch = block(scratch_size);
+    for (int a = 0; a < TRUST_RUNS; a++) {
+        int row = 0;
+        frames[a] = TRUST_FRAMES;
+        OK(vdna_trust_own_scale(&runs[a], 1, &own[a]));
+        for (int b = 0; b < TRUST_RUNS; b++) {
+            if (a == b)
+                continue;
+            OK(vdna_trust_pair(&runs[a], &runs[b], 1, localiser, scratch, scratch_size,
+                               relative[row++], &cells[a][b]));
+            for (unsigned w = 0; w < VDNA_TRUST_WINDOWS; w++)
+                cells[a][b].distance[w] = 5 + 2.0 * (a > b ? a - b : b - a) + 0.125 * w;
+        }
+        OK(vdna_trust_correlation_time(relative[0], TRUST_RUNS - 1, TRUST_FRAMES, pairs, &tau[a]));
+        printf("same %016" PRIx64 " %016" PRIx64 "\n", bits_of(own[a]), bits_of(tau[a]));
+    }
+    free(scratch);
+
+    const vdna_trust_tables tables = {frames, own, tau, cells[0]};
+    vdna_trust_config config;
+    vdna_trust_config_init(&config);
+    config.runs = TRUST_RUNS;
+    config.tables = &tables;
+    config.localiser = localiser;
+    const size_t size = vdna_trust_mem_size(&config);
+    vdna_trust *trust;
+    OK(vdna_trust_init(&config, block(size), size, &trust));
+    const vdna_trust_fit *fit = vdna_trust_fitted(trust);
+    printf("same %016" PRIx64 " %016" PRIx64 " %016" PRIx64 " %016" PRIx64 "\n",
+           bits_of(fit->slope), bits_of(fit->sd_best), bits_of(fit->skill), bits_of(fit->far));
+    OK(vdna_trust_choose(trust, 0));
+    for (int f = 0; f < TRUST_FRAMES; f++) {
+        double nearest[TRUST_RUNS], likeness[TRUST_RUNS], expected[TRUST_RUNS];
+        uint32_t choice;
+        for (int b = 0; b < TRUST_RUNS; b++) {
+            OK(vdna_trust_nearest(trust_frames[TRUST_RUNS][f], trust_frames[b][0], TRUST_DIM,
+                                  TRUST_FRAMES, &nearest[b], NULL));
+            OK(vdna_trust_nearest_int8(trust_codes[TRUST_RUNS][f], trust_scales[TRUST_RUNS][f],
+                                       trust_codes[b][0], trust_scales[b], TRUST_DIM, TRUST_FRAMES,
+                                       &likeness[b]));
+        }
+        OK(vdna_trust_feed(trust, nearest, likeness));
+        OK(vdna_trust_expect(trust, nearest, expected));
+        OK(vdna_trust_reconsider(trust, expected, 1, &choice));
+        printf("same %" PRIu32 " %" PRIu32 "\n", vdna_trust_settled_frames(trust), choice);
+    }
+    static const double distances[TRUST_RUNS] = {11, 9, 7, 5.5};
+    vdna_trust_prediction predictions[TRUST_RUNS];
+    vdna_trust_answer answer;
+    OK(vdna_trust_predict(trust, distances, predictions, &answer));
+    printf("same %" PRIu32 " %016" PRIx64 "\n", answer.verdict, bits_of(answer.unlike));
+    for (int b = 0; b < TRUST_RUNS; b++)
+        printf("same %" PRIu32 " %016" PRIx64 " %016" PRIx64 " %016" PRIx64 "\n",
+               predictions[b].reason, bits_of(predictions[b].transfer),
+               bits_of(predictions[b].nearest),
+               predictions[b].reason ? 0 : bits_of(predictions[b].low));
+    free(trust);
+}
+
 /* ---- Sizes that a size_t of 32 bits cannot say ---- */
 
 static void refuse_what_cannot_be_addressed(void)
@@ -536,6 +638,8 @@ int main(int argc, char **argv)
     find_neighbours();
     localise(1);
     localise(0);
+    trust_the_choice(VDNA_TRUST_CENTRED);
+    trust_the_choice(VDNA_TRUST_EUCLIDEAN);
     refuse_what_cannot_be_addressed();
     return 0;
 }

@@ -301,7 +301,8 @@ def output_of(build, folder):
         return None
     name = "_".join([build.compiler] + build.flags).replace("=", "_")
     sources = [ROOT / "test/contract/portable/portable.c", *sorted(ROOT.glob("lib/core/*.c")),
-               *sorted(ROOT.glob("lib/localise/*.c")), *sorted(ROOT.glob("lib/select/*.c")),
+               *sorted(ROOT.glob("lib/localise/*.c")), *sorted(ROOT.glob("lib/trust/*.c")),
+               *sorted(ROOT.glob("lib/select/*.c")),
                *sorted(ROOT.glob("lib/map/crc32c*.c"))]
     program = os.path.join(folder, name)
     subprocess.run([build.compiler, *FLAGS, *build.flags, f"-I{ROOT}/lib/include",

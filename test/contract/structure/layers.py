@@ -14,7 +14,9 @@ ROOMS = {
     "lib/fail": (2, ["lib/core"]),
     "lib/baseline": (2, ["lib/core"]),
     "lib/geodesy": (2, ["lib/core"]),
+    "lib/health": (2, ["lib/core"]),
     "lib/localise": (2, ["lib/core"]),
+    "lib/trust": (2, ["lib/core"]),
     "lib/identity": (3, ["lib/core", "lib/fail"]),
     "lib/picture": (3, ["lib/core", "lib/fail"]),
     "lib/replace": (3, ["lib/core", "lib/fail"]),
@@ -45,7 +47,7 @@ ROOMS = {
 }
 
 # The public headers of rooms whose name they do not bear.
-CORE_HEADERS = "activation camera_time emd hist image int8 knn range rank status version window"
+CORE_HEADERS = "activation camera_time emd hist image int8 knn pixels range rank status version window"
 HEADERS = {**{name: "lib/core" for name in CORE_HEADERS.split()},
            "experience_localise": "lib/map", "listener": "lib/transport", "message": "lib/transport"}
 UMBRELLA = "vdna"

@@ -47,6 +47,20 @@ static void use_codes(const vdna_experience *e)
         require(isfinite(e->embeddings[i]));
 }
 
+/* A live frame can be projected; the sanitisers watch the reads. */
+static void use_projection(const vdna_experience *e)
+{
+    const size_t raw_dim = e->identity.projection ? e->identity.raw_dim : e->identity.dim;
+    float *live = calloc(raw_dim, sizeof *live);
+    float *kept = malloc(e->identity.dim * sizeof *kept);
+    if (live && kept) {
+        require(vdna_identity_project(&e->identity, live, kept) == VDNA_OK);
+        require(kept[e->identity.dim - 1] == 0);
+    }
+    free(live);
+    free(kept);
+}
+
 /* Read everything that an accepted experience points to: the reader's promises must hold. */
 static void use(const vdna_experience *e)
 {
@@ -62,6 +76,7 @@ static void use(const vdna_experience *e)
     use_identity(e);
     use_positions(e);
     use_codes(e);
+    use_projection(e);
 
     vdna_field fields[VDNA_FIELD_COUNT];
     vdna_layout_of(e, fields);
@@ -115,14 +130,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 }
 
 /* The sample, the same without optional fields, with frames without ground truth, with a second
- * embedding, and with codes. */
+ * embedding, with codes, and with a projection. */
 size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
 {
     vdna_experience e = sample_experience();
-    if (index > 4)
+    if (index > 5)
         return 0;
     if (index > 2)
-        e = index == 3 ? grid_experience() : coded_experience();
+        e = index == 3   ? grid_experience()
+            : index == 4 ? coded_experience()
+                         : projected_experience();
     if (index == 1) {
         e.frame_place = NULL;
         e.frame_position = NULL;

@@ -5,10 +5,12 @@
 #include <string.h>
 
 #include <vdna/emd.h>
+#include <vdna/health.h>
 #include <vdna/hist.h>
 #include <vdna/knn.h>
 #include <vdna/localise.h>
 #include <vdna/rank.h>
+#include <vdna/trust.h>
 
 #include "count.h"
 
@@ -18,6 +20,10 @@
 #define CANDIDATES 16u
 #define ROWS 1150u
 #define DIM 128u
+#define RUNS 100u // most experiences of a warmup
+#define WIDTH 640u
+#define HEIGHT 480u
+#define CHANNELS 3u
 
 // The C library chooses among several of these by the processor; the counts must not.
 void *memset(void *block, int byte, size_t size)
@@ -82,6 +88,10 @@ static vdna_rank_entry ranking[CANDIDATES];
 static float map[ROWS * DIM], query[DIM];
 static int64_t map_block[ROWS * DIM / 4 + 1024], localise_block[ROWS * 8];
 static vdna_localise *localiser;
+static vdna_trust_cell cells[RUNS * RUNS];
+static int64_t trust_block[RUNS * (4 * RUNS + 16) + 64];
+static double relative[RUNS];
+static vdna_trust *trust;
 static uint16_t slots[SAMPLES * NEURONS];
 static vdna_activations tap = {activations, NEURONS, SAMPLES, VDNA_LAYOUT_SAMPLES_NEURONS};
 
@@ -196,6 +206,70 @@ static void prepare_localise(enum data data)
     query[0] += 100;
 }
 
+// Distances 0..2 of a live frame to the nearest of each experience.
+static void make_relative(enum data data, unsigned runs)
+{
+    for (unsigned b = 0; b < runs; b++)
+        relative[b] = data == RANDOM     ? chance()
+                      : data == CONSTANT ? 0.3
+                      : data == SORTED   ? (double)b / runs
+                                         : (b % 2 ? 2 : 0);
+}
+
+// A warmup whose next frame is the first one after which the choice may have settled.
+static void prepare_trust(enum data data, unsigned runs)
+{
+    static uint32_t frames[RUNS];
+    static double own[RUNS], correlation[RUNS];
+    for (unsigned a = 0; a < runs; a++) {
+        frames[a] = ROWS;
+        own[a] = correlation[a] = 1;
+        for (unsigned b = 0; b < runs; b++)
+            for (unsigned w = 0; w < VDNA_TRUST_WINDOWS; w++) {
+                vdna_trust_cell *cell = &cells[a * runs + b];
+                cell->nearest[w] = 0.1 + (double)chance();
+                cell->likeness[w] = 2; // nothing is farther, so predictions are made
+                cell->recall[w] = 1.3 - cell->nearest[w];
+                cell->recall[w] = cell->recall[w] < 1 ? cell->recall[w] : 1;
+                cell->distance[w] = 10 * cell->nearest[w];
+            }
+    }
+    const vdna_trust_tables tables = {frames, own, correlation, cells};
+    vdna_trust_config config;
+    vdna_trust_config_init(&config);
+    config.runs = runs;
+    config.tables = &tables;
+    if (vdna_trust_init(&config, trust_block, sizeof trust_block, &trust) != VDNA_OK)
+        abort();
+    for (unsigned t = 1; t < VDNA_TRUST_SETTLED_FRAMES; t++) {
+        make_relative(data, runs);
+        if (vdna_trust_feed(trust, relative, relative) != VDNA_OK)
+            abort();
+    }
+    make_relative(data, runs);
+}
+
+static void prepare_trust_4(enum data data)
+{
+    prepare_trust(data, 4);
+}
+
+static void prepare_trust_100(enum data data)
+{
+    prepare_trust(data, RUNS);
+}
+
+static uint8_t picture[WIDTH * HEIGHT * CHANNELS];
+
+// The range of activations is that of grey levels.
+static void prepare_health(enum data data)
+{
+    for (size_t i = 0; i < sizeof picture; i++) {
+        const float value = activation(data, i, sizeof picture);
+        picture[i] = value < -1 ? 0 : value > 1 ? 255 : (uint8_t)(127.5f * (value + 1));
+    }
+}
+
 static vdna_status run_hist_add(void)
 {
     return vdna_hist_add(&hists[0], &tap, 1);
@@ -236,6 +310,25 @@ static vdna_status run_localise(void)
     return vdna_localise_feed(localiser, query, &answer);
 }
 
+static vdna_status run_trust(void)
+{
+    return vdna_trust_feed(trust, relative, relative);
+}
+
+static vdna_status run_predict(void)
+{
+    static vdna_trust_prediction predictions[RUNS];
+    vdna_trust_answer answer;
+    return vdna_trust_predict(trust, relative, predictions, &answer);
+}
+
+static vdna_status run_health(void)
+{
+    const vdna_pixels pixels = {picture, WIDTH * CHANNELS, WIDTH, HEIGHT, CHANNELS, {2, 1, 0}};
+    vdna_health_picture measured_picture;
+    return vdna_health_measure(&pixels, &measured_picture);
+}
+
 static const struct {
     const char *name;
     void (*prepare)(enum data data);
@@ -250,6 +343,11 @@ static const struct {
     {"rank", prepare_rank, run_rank},
     {"knn", make_map, run_knn},
     {"localise", prepare_localise, run_localise},
+    {"trust_4", prepare_trust_4, run_trust},
+    {"trust_100", prepare_trust_100, run_trust},
+    {"predict_4", prepare_trust_4, run_predict},
+    {"predict_100", prepare_trust_100, run_predict},
+    {"health", prepare_health, run_health},
 };
 
 __attribute__((noipa)) vdna_status measured(vdna_status (*run)(void));

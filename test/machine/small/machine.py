@@ -1,4 +1,4 @@
-"""lib/core, lib/localise and lib/select compiled for one machine without a C library, and measured.
+"""lib/core, lib/health, lib/localise, lib/trust and lib/select compiled for one machine without a C library, and measured.
 
 They see the compiler's own headers and those in include/ beside this file, nothing else, so that
 any further #include is an error. Stack comes from the frames and calls that GCC reports
@@ -13,7 +13,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
-SOURCES = sorted([*ROOT.glob("lib/core/*.c"), *ROOT.glob("lib/localise/*.c"), *ROOT.glob("lib/select/*.c")])
+ROOMS = ["core", "health", "localise", "trust", "select"]
+SOURCES = sorted(path for room in ROOMS for path in ROOT.glob(f"lib/{room}/*.c"))
 
 CORTEX_M4 = ["-mcpu=cortex-m4", "-mthumb"]
 MACHINES = {  # name: (prefix of its tools, options)

@@ -29,7 +29,7 @@ Written by `cmake --build build --target memory_core` from measurements; the tes
 RAM = """\
 ## RAM
 
-`lib/core`, `lib/localise` and `lib/select` have no variables and allocate nothing. These are the
+`lib/core`, `lib/health`, `lib/localise` and `lib/select` have no variables and allocate nothing. These are the
 blocks that the caller provides, as the `vdna_..._size()` functions give them on a 64-bit machine. A
 selector holds the live histogram and the working memory of the distance; it is for four experiences here,
 and each further one takes {further}. The experiences themselves stay in their files, which are
@@ -41,6 +41,10 @@ To localise, the frames of the chosen experience are prepared once, and a locali
 them.
 
 {localise}
+
+Trust in the choice holds what the map knows about itself, and the warmup so far.
+
+{trust}
 """
 
 COMPILED = """\
@@ -54,7 +58,7 @@ frame of variable size and no call through a pointer.
 
 ## Code
 
-`lib/core`, `lib/localise` and `lib/select` with their constants. What libgcc adds for arithmetic that
+`lib/core`, `lib/health`, `lib/localise` and `lib/select` with their constants. What libgcc adds for arithmetic that
 a processor lacks is counted apart.
 
 {code}
@@ -75,7 +79,8 @@ def ram_part(program):
     head = ["neurons", "bins", "histogram", "working memory of the distance", "selector"]
     localise_head = ["map frames", "dim", "prepared frames", "localiser"]
     return RAM.format(further=further, table=table(head, [row for row in rows if len(row) == 5]),
-                      localise=table(localise_head, [row for row in rows if len(row) == 4]))
+                      localise=table(localise_head, [row for row in rows if len(row) == 4]),
+                      trust=table(["experiences", "trust"], [row for row in rows if len(row) == 2]))
 
 
 def stacks(machine, folder, objects):

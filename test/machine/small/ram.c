@@ -1,7 +1,8 @@
 /* Prints the memory that the library asks of its caller: first the bytes that one more experience
  * adds to a selector; then, a configuration a line, neurons, bins, and the bytes of a histogram, of
  * the distance's working memory, and of a selector among CANDIDATES experiences; then frames, dim,
- * and the bytes of a prepared experience and of a localiser in it. */
+ * and the bytes of a prepared experience and of a localiser in it; then experiences, and the bytes
+ * of trust in the choice among them. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,6 +75,14 @@ static size_t localise_size(uint32_t frames, uint32_t dim)
     return found;
 }
 
+static size_t trust_size(uint32_t runs)
+{
+    vdna_trust_config config;
+    vdna_trust_config_init(&config);
+    config.runs = runs;
+    return vdna_trust_mem_size(&config);
+}
+
 int main(void)
 {
     static const struct {
@@ -92,5 +101,8 @@ int main(void)
         printf("%u %u %zu %zu\n", (unsigned)maps[i].frames, (unsigned)maps[i].dim,
                localise_map_size(maps[i].frames, maps[i].dim),
                localise_size(maps[i].frames, maps[i].dim));
+    static const uint32_t runs[] = {4, 10, 100, 1000};
+    for (size_t i = 0; i < sizeof runs / sizeof *runs; i++)
+        printf("%u %zu\n", (unsigned)runs[i], trust_size(runs[i]));
     return 0;
 }

@@ -1,4 +1,5 @@
-"""lib/core, lib/localise and lib/select on a Cortex-M4 without a C library: their needs, code size and stack.
+"""lib/core, lib/health, lib/localise, lib/trust and lib/select on a Cortex-M4 without a C library: their needs, code
+size and stack.
 
 With and without the processor's own floats. Exit code 77 = skipped: no cross compiler.
 """
@@ -10,7 +11,7 @@ from pathlib import Path
 
 from machine import SOURCES, CallGraph, Machine
 
-TEXT_MAX = 25 * 1024  # bytes, libgcc's arithmetic included
+TEXT_MAX = 43 * 1024  # bytes, libgcc's arithmetic included; of them 16 KB are trust, which links apart
 STACK_MAX = 1280  # bytes, libgcc's arithmetic included: a selector that calls a localiser
 
 try:

@@ -253,6 +253,24 @@ static void a_grid_of_a_feature_map_is_the_embedding_and_the_tap_stays(void **)
     vdna_backbone_close(backbone);
 }
 
+static void a_map_may_keep_fewer_numbers_than_a_frame_has(void **)
+{
+    Recipe recipe;
+    recipe.how = "dims = 3\n";
+    vdna_backbone *backbone = opened(recipe);
+    vdna_backbone_info info;
+    vdna_backbone_describe(backbone, &info);
+    assert_int_equal(info.embedding_dims, 3);
+    assert_int_equal(info.identity.dim, 3);
+    assert_string_equal(info.identity.embedding, "");
+    assert_int_equal(run(backbone, small).dim, 3);
+    vdna_backbone_close(backbone);
+
+    recipe.how = "dims = 4\n";
+    assert_not_opened(recipe, VDNA_ERR_MISMATCH,
+                      "output 'mean' gives embeddings of 3 numbers; expected at least 'dims', 4");
+}
+
 static void a_grid_of_what_has_no_rows_and_columns_is_refused(void **)
 {
     Recipe recipe;
@@ -483,6 +501,7 @@ int main()
         cmocka_unit_test(a_larger_picture_is_averaged_down),
         cmocka_unit_test(l2_normalisation_concerns_the_embedding_only),
         cmocka_unit_test(a_grid_of_a_feature_map_is_the_embedding_and_the_tap_stays),
+        cmocka_unit_test(a_map_may_keep_fewer_numbers_than_a_frame_has),
         cmocka_unit_test(a_grid_of_what_has_no_rows_and_columns_is_refused),
         cmocka_unit_test(outputs_that_are_not_finite_are_refused),
         cmocka_unit_test(a_refused_picture_leaves_the_backbone_as_it_was),

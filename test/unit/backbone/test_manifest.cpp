@@ -140,6 +140,7 @@ static void how_embeddings_are_stored_is_not_part_of_their_definition(void **)
         return embedding.int8;
     };
     assert_false(is_int8(""));
+    assert_false(is_int8("dims = 2\n"));
     assert_false(is_int8("storage = \"float32\"\n"));
     assert_true(is_int8("storage = \"int8\"\n"));
     assert_refused(with(whole, "l2_normalise =", "storage = \"int4\"\nl2_normalise ="), "23",
@@ -176,8 +177,12 @@ static void a_grid_that_is_none_is_refused(void **)
                              "grid = []", "grid = [3]", "grid = [3, 0]", "grid = [3, 3, 3]",
                              "grid = [0, 3]", "grid = [3, true]", "grid = [[3], 3]"})
         refuse(grid);
-    assert_refused(with(whole, "l2_normalise =", "dims = 64\nl2_normalise ="), "23",
-                   "unknown key 'dims'; expected: output, grid, centre, last_layer");
+    for (const char *dims : {"0", "-1", "64.0", "\"64\"", "4294967296"})
+        assert_refused(
+            with(whole, "l2_normalise =", "dims = " + std::string(dims) + "\nl2_normalise ="), "23",
+            "'dims' must be how many numbers of each embedding a map keeps, from 1 to all");
+    assert_refused(with(whole, "l2_normalise =", "dim = 64\nl2_normalise ="), "23",
+                   "unknown key 'dim'; expected: output, grid, dims, centre, last_layer");
     assert_refused(with(whole, "l2_normalise =", "last_layer = \"a b\"\nl2_normalise ="), "23",
                    "'last_layer' must be a name without blanks");
     assert_refused(with(whole, "\"map\"\nl2", "\"m ap\"\nl2"), "22",

@@ -17,7 +17,7 @@ struct Made {
     std::string taps = "a:2:1,b:1:2";
     std::string sha256 = std::string(64, 'a');
     std::string embedding;
-    uint32_t dim = 2, tap_count = 2, input_width = 0, last_layer_dim = 0;
+    uint32_t dim = 2, tap_count = 2, input_width = 0, last_layer_dim = 0, embedding_dims = 0;
     float numbers[4] = {1, 2, 3, 4};
     vdna_activations found[2] = {{numbers, 2, 1, VDNA_LAYOUT_SAMPLES_NEURONS},
                                  {numbers + 2, 1, 2, VDNA_LAYOUT_SAMPLES_NEURONS}};
@@ -71,6 +71,7 @@ static void made_describe(const void *, vdna_backbone_info *out_info)
     out_info->tap_count = made->tap_count;
     out_info->input_width = made->input_width;
     out_info->last_layer_dim = made->last_layer_dim;
+    out_info->embedding_dims = made->embedding_dims;
     std::memset(out_info->runtime, 'r', sizeof out_info->runtime);
 }
 
@@ -169,7 +170,7 @@ static void a_table_that_is_none_is_refused(void **)
     old.version = 0;
     assert_int_equal(open_made(&error, &backbone, &old), VDNA_ERR_UNSUPPORTED);
     assert_says(error, " bytes of version 0, expected ");
-    assert_says(error, " bytes of version 2; build it with the vdna/backbone.h of this version");
+    assert_says(error, " bytes of version 3; build it with the vdna/backbone.h of this version");
     const auto refuse_without = [&](auto member, const char *name) {
         vdna_backbone_operations other = table;
         other.*member = nullptr;
@@ -227,6 +228,8 @@ static void a_description_that_no_map_could_carry_is_refused(void **)
     assert_not_described("tap_count is 1, expected as many as in taps");
     made->dim = 0;
     assert_not_described("dim is 0");
+    made->embedding_dims = 3;
+    assert_not_described("embedding_dims is 3, expected at most dim, 2");
     made->embedding = "levels\n";
     assert_not_described("embedding has a character that is not allowed");
     made->input_width = 8;

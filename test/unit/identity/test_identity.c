@@ -212,6 +212,94 @@ static void embeddings_that_are_made_differently_do_not_compare(void **state)
     assert_int_equal(vdna_identity_compare(&grid, &plain, NULL), VDNA_OK);
 }
 
+/* Of six numbers the first three, then the sum of all. */
+static const float directions[5][6] = {
+    {1, 0, 0, 0, 0, 0}, {0, 1, 0, 0, 0, 0}, {0, 0, 1, 0, 0, 0}, {1, 1, 1, 1, 1, 1}, {0}};
+
+static vdna_identity projected(void)
+{
+    vdna_identity identity = sample;
+    identity.projection = directions[0];
+    identity.raw_dim = 6;
+    return identity;
+}
+
+static void a_projection_makes_fewer_numbers_and_is_finite(void **state)
+{
+    (void)state;
+    vdna_identity i = projected();
+    assert_int_equal(vdna_identity_check(&i, NULL), VDNA_OK);
+    i.raw_dim = 4;
+    assert_refused(&i, VDNA_ERR_ARG, "the projection has directions and makes 5 of 4 numbers");
+    i.raw_dim = 0;
+    assert_refused(&i, VDNA_ERR_ARG, "makes 5 of 0 numbers, expected 1 to all of them, or 0 and");
+    i = projected();
+    i.dim = 0;
+    assert_refused(&i, VDNA_ERR_ARG, "makes 0 of 6 numbers");
+    i = projected();
+    i.projection = NULL;
+    assert_refused(&i, VDNA_ERR_ARG, "the projection has no directions and makes 5 of 6 numbers");
+    const float infinite[] = {0, 1, INFINITY, 0};
+    i.projection = infinite;
+    i.dim = i.raw_dim = 2;
+    assert_refused(&i, VDNA_ERR_ARG, "direction 1 of the projection has a NaN or an infinity");
+}
+
+static void maps_of_two_projections_do_not_compare(void **state)
+{
+    (void)state;
+    float other[5][6];
+    memcpy(other, directions, sizeof other);
+    other[3][2] = -1;
+    vdna_identity a = projected(), b = projected(), none = sample;
+    assert_int_equal(vdna_identity_compare(&a, &b, NULL), VDNA_OK);
+    b.projection = other[0];
+    assert_differ(&a, &b,
+                  "number 2 of direction 3 of the projection is 1 in one and -1 in the other");
+    b.dim = 4;
+    assert_differ(&a, &b,
+                  "projection is of 6 numbers to 5 in one and of 6 numbers to 4 in the"
+                  " other");
+    none.dim = 6;
+    assert_differ(&none, &a, "projection is none in one and of 6 numbers to 5 in the other");
+    assert_differ(&a, &sample, "dim is 6 in one and 5 in the other");
+}
+
+static void a_backbone_compares_with_maps_of_its_embeddings_projected_or_not(void **state)
+{
+    (void)state;
+    vdna_identity backbone = sample;
+    backbone.dim = 6;
+    backbone.bins = 0;
+    backbone.range = NULL;
+    const vdna_identity map = projected();
+    assert_int_equal(vdna_identity_compare(&backbone, &map, NULL), VDNA_OK);
+    assert_int_equal(vdna_identity_compare(&map, &backbone, NULL), VDNA_OK);
+    backbone.dim = 5;
+    assert_differ(&map, &backbone, "dim is 6 in one and 5 in the other");
+}
+
+static void a_live_embedding_is_projected_as_the_map_keeps_it(void **state)
+{
+    (void)state;
+    const float embedding[] = {1, 2, 4, 8, 16, 32}, expected[] = {1, 2, 4, 63, 0};
+    float out[5];
+    const vdna_identity map = projected();
+    assert_int_equal(vdna_identity_project(&map, embedding, out), VDNA_OK);
+    assert_memory_equal(out, expected, sizeof out);
+    assert_int_equal(vdna_identity_project(&sample, embedding, out), VDNA_OK);
+    assert_memory_equal(out, embedding, sizeof out);
+
+    /* In double precision: floats would lose the 1. */
+    const float far[] = {1, 1e12f, 1, -1e12f, 0, 0};
+    assert_int_equal(vdna_identity_project(&map, far, out), VDNA_OK);
+    assert_true(out[3] == 2);
+
+    assert_int_equal(vdna_identity_project(NULL, embedding, out), VDNA_ERR_ARG);
+    assert_int_equal(vdna_identity_project(&map, NULL, out), VDNA_ERR_ARG);
+    assert_int_equal(vdna_identity_project(&map, embedding, NULL), VDNA_ERR_ARG);
+}
+
 static void the_last_word_says_whether_embeddings_are_centred(void **state)
 {
     (void)state;
@@ -253,6 +341,10 @@ static void the_text_has_a_line_for_each_field(void **state)
     assert_string_equal(text, "vdna-comparable 2\n" SHA256 "\n"
                               "rgb 8x8 \"area\" mean=0 std=1 \\\nmid:2:4,top:1:1\n5\n4\n"
                               "map grid=3x3 centred\n");
+    const vdna_identity map = projected();
+    assert_int_equal(vdna_identity_text(&map, text), VDNA_OK);
+    assert_string_equal(text, "vdna-comparable 3\n" SHA256 "\n"
+                              "rgb 8x8 \"area\" mean=0 std=1 \\\nmid:2:4,top:1:1\n5\n4\n\n6\n");
     assert_int_equal(vdna_identity_text(NULL, text), VDNA_ERR_ARG);
     assert_int_equal(vdna_identity_text(&sample, NULL), VDNA_ERR_ARG);
 }
@@ -270,6 +362,11 @@ static void the_longest_identity_has_room_in_its_text(void **state)
     const char end[] = "e\n";
     assert_int_equal(strlen(text), 18 + 65 + 512 + 2048 + 11 + 11 + 256);
     assert_string_equal(text + strlen(text) - strlen(end), end);
+    longest.projection = directions[0];
+    longest.raw_dim = UINT32_MAX;
+    assert_int_equal(vdna_identity_text(&longest, text), VDNA_OK);
+    assert_int_equal(strlen(text), 18 + 65 + 512 + 2048 + 11 + 11 + 256 + 11);
+    assert_string_equal(text + strlen(text) - 13, "e\n4294967295\n");
 }
 
 static void the_hash_is_that_of_the_specification(void **state)
@@ -278,6 +375,10 @@ static void the_hash_is_that_of_the_specification(void **state)
     char sha256[VDNA_SHA256_SIZE];
     assert_int_equal(vdna_identity_hash(&sample, sha256), VDNA_OK);
     assert_string_equal(sha256, "33eb312321a71d537313127f48a50950d6620be9c61d9d81abd40b07496209eb");
+    /* By Python's hashlib. */
+    const vdna_identity map = projected();
+    assert_int_equal(vdna_identity_hash(&map, sha256), VDNA_OK);
+    assert_string_equal(sha256, "d7fcf9561b38a82e7adb99c10fbd0dc44cc1e30677e966b9a9133e7b990c44f7");
 }
 
 static void an_identity_that_is_not_complete_has_no_hash(void **state)
@@ -445,6 +546,10 @@ int main(void)
         cmocka_unit_test(a_precision_that_explains_different_models_is_reported_instead),
         cmocka_unit_test(long_values_are_shown_from_where_they_differ),
         cmocka_unit_test(embeddings_that_are_made_differently_do_not_compare),
+        cmocka_unit_test(a_projection_makes_fewer_numbers_and_is_finite),
+        cmocka_unit_test(maps_of_two_projections_do_not_compare),
+        cmocka_unit_test(a_backbone_compares_with_maps_of_its_embeddings_projected_or_not),
+        cmocka_unit_test(a_live_embedding_is_projected_as_the_map_keeps_it),
         cmocka_unit_test(the_last_word_says_whether_embeddings_are_centred),
         cmocka_unit_test(a_field_unknown_to_one_side_is_not_compared),
         cmocka_unit_test(the_text_has_a_line_for_each_field),

@@ -1,6 +1,7 @@
 // The places of an experience, and the localiser that is set up by them.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <ctime>
 #include <limits>
 #include <string>
@@ -326,12 +327,34 @@ void distances_are_about_the_means_if_the_embeddings_are_made_for_that(void **)
     assert_true(chosen.memory_size() > size_t{200} * 8 * 2);
 }
 
+void the_confidence_is_that_of_fewer_directions_if_embeddings_are_projected(void **)
+{
+    const auto confidence_of = [](uint32_t dim, bool is_centred) {
+        const std::vector<float> directions(size_t{dim} * dim);
+        vdna_experience experience{};
+        experience.frames = 1;
+        experience.identity.dim = experience.identity.raw_dim = dim;
+        experience.identity.projection = directions.data();
+        std::strcpy(experience.identity.embedding, is_centred ? "map centred" : "map");
+        int64_t place = 0;
+        vdna_localise_config config;
+        vdna_localise_config_init(&config);
+        assert_int_equal(vdna_experience_localise_config(&experience, 1, &place, &config), VDNA_OK);
+        return std::vector<double>(config.confidence, config.confidence + 4);
+    };
+    assert_true((confidence_of(64, true) == std::vector<double>{1, 0.53, 1.1, -10.4}));
+    assert_float_equal(confidence_of(256, true)[0], 2.3, 1e-12);
+    assert_float_equal(confidence_of(16, true)[0], -0.3, 1e-12);
+    assert_true((confidence_of(64, false) == std::vector<double>{-2.5, 0.53, 1.1, 0}));
+}
+
 } // namespace
 
 int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(a_plain_route_has_the_index_for_its_number),
+        cmocka_unit_test(the_confidence_is_that_of_fewer_directions_if_embeddings_are_projected),
         cmocka_unit_test(a_second_and_a_third_lap_have_the_numbers_of_the_first),
         cmocka_unit_test(a_lap_beside_the_first_is_another_place_beyond_the_tolerance),
         cmocka_unit_test(numbers_are_those_of_posts_where_frames_are_dense),

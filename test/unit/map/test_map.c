@@ -402,6 +402,54 @@ static void embeddings_stored_as_codes_are_read_as_floats(void **state)
     vdna_experience_close(&e);
 }
 
+static void a_projection_is_kept_since_version_4(void **state)
+{
+    file f = *(const file *)*state;
+    const vdna_experience projected = projected_experience();
+    vdna_experience e;
+    load(&f, projected);
+    assert_int_equal(open_bytes(&f, NULL, &e), VDNA_OK);
+    assert_int_equal(e.identity.dim, 5);
+    assert_int_equal(e.identity.raw_dim, 6);
+    assert_memory_equal(e.identity.projection, projected.identity.projection, 30 * sizeof(float));
+    assert_memory_equal(e.embeddings, projected.embeddings, 2 * 5 * sizeof(float));
+    assert_non_null(strstr((const char *)e.file_bytes + 8, "\"format_version\":\"4\""));
+    assert_int_equal(vdna_experience_compare(&e, &projected, NULL), VDNA_OK);
+    vdna_experience_close(&e);
+
+    /* Files without one are as old as before, and say nothing of it. */
+    assert_int_equal(vdna_experience_open(path_in(&f.directory, "sample"), NULL, &e), VDNA_OK);
+    assert_true(!e.identity.projection && e.identity.raw_dim == 0);
+    vdna_experience_close(&e);
+}
+
+static void a_projection_that_breaks_a_rule_is_refused(void **state)
+{
+    static const struct {
+        const char *from, *to, *reason;
+    } edits[] = {
+        {"\"shape\":[5,6]", "\"shape\":[6,5]", "tensor projection has a dtype or shape"},
+        {"\"shape\":[5,6]", "\"shape\":[30]", "tensor projection has a shape that does not fit"},
+        {"\"shape\":[5,6]", "\"shape\":[5,4]", "tensor projection has 120 bytes, expected 20"},
+        {"\"projection\":{\"dtype\":\"F32\"", "\"projection\":{\"dtype\":\"I32\"",
+         "tensor projection has a dtype"},
+        {"\"projection\":", "\"acme_projection\":", "comparable is not"},
+    };
+    file projected = *(const file *)*state;
+    load(&projected, projected_experience());
+    for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
+        file f = projected;
+        edit_header(&f, edits[i].from, edits[i].to);
+        assert_refused(&f, VDNA_ERR_FORMAT, edits[i].reason);
+    }
+    const float nan = NAN, other = 0.25f;
+    file f = projected;
+    edit_data(&f, "projection", 8, &nan, 4);
+    assert_refused(&f, VDNA_ERR_FORMAT, "direction 1 of the projection has a NaN or an infinity");
+    edit_data(&projected, "projection", 8, &other, 4);
+    assert_refused(&projected, VDNA_ERR_FORMAT, "comparable is not");
+}
+
 static void codes_that_break_a_rule_are_refused(void **state)
 {
     static const struct {
@@ -446,9 +494,9 @@ static void codes_that_break_a_rule_are_refused(void **state)
 static void a_newer_format_version_is_unsupported_and_says_what_to_do(void **state)
 {
     file f = *(const file *)*state;
-    edit_header(&f, "\"format_version\":\"1\"", "\"format_version\":\"4\"");
+    edit_header(&f, "\"format_version\":\"1\"", "\"format_version\":\"5\"");
     assert_refused(&f, VDNA_ERR_UNSUPPORTED, "update this program");
-    edit_header(&f, "\"format_version\":\"4\"", "\"format_version\":\"10\"");
+    edit_header(&f, "\"format_version\":\"5\"", "\"format_version\":\"10\"");
     assert_refused(&f, VDNA_ERR_UNSUPPORTED, "version 10 is newer");
 }
 
@@ -832,6 +880,8 @@ int main(void)
         CASE(frames_may_lack_the_truth_that_others_have_since_version_2),
         CASE(a_second_embedding_is_kept_since_version_3),
         CASE(embeddings_stored_as_codes_are_read_as_floats),
+        CASE(a_projection_is_kept_since_version_4),
+        CASE(a_projection_that_breaks_a_rule_is_refused),
         CASE(codes_that_break_a_rule_are_refused),
         CASE(a_newer_format_version_is_unsupported_and_says_what_to_do),
         CASE(metadata_that_breaks_a_rule_is_refused),

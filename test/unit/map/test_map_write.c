@@ -90,6 +90,9 @@ static void an_experience_that_breaks_a_rule_is_not_written(void **state)
     e = coded_experience();
     e.embedding_codes = NULL;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "frame_embedding is missing");
+    e = projected_experience();
+    e.identity.raw_dim = 4;
+    assert_not_written(*state, &e, VDNA_ERR_ARG, "the projection has directions and makes 5 of 4");
     e = sample;
     e.embeddings = NULL;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "embeddings is missing");

@@ -7,7 +7,8 @@
 
 /* One neuron in two bins. "low" has all its samples in the lower, "high" in the upper one. Each
  * experience goes once round a circle, on which "high" begins half a turn later. */
-enum { FRAMES = 12, DIM = 2 };
+#define FRAMES 12u
+#define DIM 2u
 static const float range[] = {0, 2};
 static const uint32_t low_counts[] = {1, 0}, high_counts[] = {0, 1}, mass = 1;
 static const vdna_select_candidate candidates[] = {

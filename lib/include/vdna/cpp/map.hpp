@@ -56,6 +56,21 @@ class Map
         return candidates;
     }
 
+    /** What the map keeps of a live frame's embedding, for localisers and selectors in it: see
+     *  vdna_identity_project().
+     *  @param frame  of a backbone that require_backbone() accepts
+     *  @param room   grows once; holds the result if the map has a projection
+     *  @return [dim of the map], borrowed from `frame` or `room` */
+    const float *embedding_of(const vdna_backbone_frame &frame, std::vector<float> &room) const
+    {
+        const vdna_identity &identity = experiences_.front().identity;
+        if (!identity.projection)
+            return frame.embedding;
+        room.resize(identity.dim);
+        vdna_identity_project(&identity, frame.embedding, room.data());
+        return room.data();
+    }
+
     /** Throw Error, naming the field and the remedy, unless `backbone` made this map. */
     void require_backbone(const vdna_backbone_info &backbone) const
     {

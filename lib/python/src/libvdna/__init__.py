@@ -1,8 +1,8 @@
 """Which recorded experience should a robot localise against now?
 
 The C library libvdna for NumPy: activation histograms ("Visual DNA"), the exact Earth Mover's
-Distance, ranking, nearest neighbours, the selector, the localiser, experience files, what makes two of them
-comparable, and the networks of the robot.
+Distance, ranking, nearest neighbours, the selector, the localiser, trust in the choice, experience files,
+what makes two of them comparable, and the networks of the robot.
 
 Memory. Arrays go in without a copy when they have the stated dtype and are C-contiguous, and are
 converted otherwise. Arrays that come out are read-only views of the library's memory, which stays
@@ -30,6 +30,8 @@ from .neighbours import Neighbours, nearest
 from .ranges import Ranges
 from .reference import ReferenceVdna
 from .selector import Answer, Candidate, Match, Selector
+from .trust import TRUST_CELL, TRUST_WINDOWS, Prediction, StoredRun, Trust, TrustAnswer, TrustFit
+from .trust import TrustTables, Verdict, trust_tables, trust_windows
 
 __version__ = version()
 
@@ -51,13 +53,22 @@ __all__ = [
     "Neighbours",
     "PLACE_NONE",
     "Place",
+    "Prediction",
     "RankEntry",
     "Ranges",
     "ReferenceVdna",
     "Selector",
     "Status",
+    "StoredRun",
+    "TRUST_CELL",
+    "TRUST_WINDOWS",
     "TapShape",
+    "Trust",
+    "TrustAnswer",
+    "TrustFit",
+    "TrustTables",
     "VdnaError",
+    "Verdict",
     "clean_name",
     "emd",
     "emd_mean",
@@ -66,4 +77,6 @@ __all__ = [
     "open_map",
     "parse_taps",
     "rank",
+    "trust_tables",
+    "trust_windows",
 ]

@@ -142,6 +142,86 @@ class LocaliseAnswer(Structure):
     ]
 
 
+class TrustRunFields(Structure):
+    _fields_ = [
+        ("embeddings", c_void_p),
+        ("last_layer", c_void_p),
+        ("last_layer_scale", c_void_p),
+        ("place", c_void_p),
+        ("position", c_void_p),
+        ("frames", c_uint32),
+        ("dim", c_uint32),
+        ("last_layer_dim", c_uint32),
+        ("reserved", c_uint32),
+    ]
+
+
+class TrustCell(Structure):
+    _fields_ = [
+        ("nearest", c_double * 7),
+        ("likeness", c_double * 7),
+        ("recall", c_double * 7),
+        ("distance", c_double * 7),
+    ]
+
+
+class TrustTablesFields(Structure):
+    _fields_ = [
+        ("frames", c_void_p),
+        ("own_scale", c_void_p),
+        ("correlation", c_void_p),
+        ("cells", c_void_p),
+    ]
+
+
+class TrustConfig(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("runs", c_uint32),
+        ("tables", POINTER(TrustTablesFields)),
+        ("localiser", c_uint32),
+        ("reserved", c_uint32),
+        ("min_recall", c_double),
+        ("switch_cost", c_double),
+    ]
+
+
+class TrustPredictionFields(Structure):
+    _fields_ = [
+        ("recall", c_double),
+        ("low", c_double),
+        ("high", c_double),
+        ("transfer", c_double),
+        ("nearest", c_double),
+        ("reason", c_uint32),
+        ("reserved", c_uint32),
+    ]
+
+
+class TrustAnswerFields(Structure):
+    _fields_ = [
+        ("verdict", c_uint32),
+        ("frames", c_uint32),
+        ("choice", c_uint32),
+        ("settled_frames", c_uint32),
+        ("unlike", c_double),
+    ]
+
+
+class TrustFitFields(Structure):
+    _fields_ = [
+        ("labelled", c_uint32),
+        ("by_likeness", c_uint32),
+        ("skill", c_double),
+        ("slope", c_double),
+        ("sd", c_double),
+        ("sd_best", c_double),
+        ("quantile", c_double),
+        ("far", c_double),
+        ("correlation", c_double),
+    ]
+
+
 class SelectCandidate(Structure):
     _fields_ = [
         ("dna", HistView),
@@ -218,6 +298,9 @@ class IdentityFields(Structure):
         ("bins", c_uint32),
         ("range", c_void_p),
         ("embedding", c_char * 256),
+        ("projection", c_void_p),
+        ("raw_dim", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 
@@ -289,6 +372,8 @@ class BackboneFields(Structure):
         ("decode_bytes", c_uint64),
         ("last_layer_dim", c_uint32),
         ("embedding_int8", c_uint32),
+        ("embedding_dims", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 
@@ -357,6 +442,46 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_localise_warm_up": (address, address),
         "vdna_localise_feed": (address, address, POINTER(LocaliseAnswer)),
         "vdna_localise_feed_distances": (address, address, POINTER(LocaliseAnswer)),
+        "vdna_trust_nearest": (
+            address,
+            address,
+            c_uint32,
+            c_uint32,
+            POINTER(c_double),
+            POINTER(c_uint32),
+        ),
+        "vdna_trust_nearest_int8": (
+            address,
+            c_float,
+            address,
+            address,
+            c_uint32,
+            c_uint32,
+            POINTER(c_double),
+        ),
+        "vdna_trust_own_scale": (POINTER(TrustRunFields), c_double, POINTER(c_double)),
+        "vdna_trust_pair": (
+            POINTER(TrustRunFields),
+            POINTER(TrustRunFields),
+            c_double,
+            c_uint32,
+            address,
+            size,
+            address,
+            POINTER(TrustCell),
+        ),
+        "vdna_trust_correlation_time": (address, c_uint32, c_uint32, address, POINTER(c_double)),
+        "vdna_trust_init": (POINTER(TrustConfig), address, size, POINTER(c_void_p)),
+        "vdna_trust_feed": (address, address, address),
+        "vdna_trust_predict": (
+            address,
+            address,
+            POINTER(TrustPredictionFields),
+            POINTER(TrustAnswerFields),
+        ),
+        "vdna_trust_choose": (address, c_uint32),
+        "vdna_trust_expect": (address, address, address),
+        "vdna_trust_reconsider": (address, address, c_uint32, POINTER(c_uint32)),
         "vdna_select_init": (POINTER(SelectConfig), address, size, POINTER(c_void_p)),
         "vdna_select_feed": (address, POINTER(SelectFrame), POINTER(SelectAnswer)),
         "vdna_identity_check": (POINTER(IdentityFields), POINTER(Error)),
@@ -367,6 +492,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         ),
         "vdna_identity_text": (POINTER(IdentityFields), address),
         "vdna_identity_hash": (POINTER(IdentityFields), address),
+        "vdna_identity_project": (POINTER(IdentityFields), address, address),
         "vdna_int8_encode": (address, size, address, address),
         "vdna_taps_append": (address, size, POINTER(TapFields)),
         "vdna_experience_open": (path, POINTER(Error), POINTER(ExperienceFile)),
@@ -405,6 +531,15 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_localise_posterior": (None, (address, address)),
         "vdna_localise_mean": (address, (address,)),
         "vdna_localise_evidence": (c_double, (address,)),
+        "vdna_trust_windows": (c_uint32, (c_uint32, address, POINTER(c_uint32))),
+        "vdna_trust_pair_scratch_size": (size, (POINTER(TrustRunFields), POINTER(TrustRunFields))),
+        "vdna_trust_config_init": (None, (POINTER(TrustConfig),)),
+        "vdna_trust_mem_size": (size, (POINTER(TrustConfig),)),
+        "vdna_trust_reset": (None, (address,)),
+        "vdna_trust_settled_frames": (c_uint32, (address,)),
+        "vdna_trust_fitted": (POINTER(TrustFitFields), (address,)),
+        "vdna_trust_intercepts": (address, (address,)),
+        "vdna_trust_reason_text": (c_char_p, (c_uint32,)),
         "vdna_select_config_init_sized": (None, (POINTER(SelectConfig), size)),
         "vdna_select_mem_size": (size, (POINTER(SelectConfig),)),
         "vdna_select_reset": (None, (address,)),

@@ -55,6 +55,7 @@ class Experience:
     _frame_grey: NDArray[np.float32]
     _frame_place: Optional[NDArray[np.int64]]
     _frame_position: Optional[NDArray[np.float64]]
+    _projection: Optional[NDArray[np.float32]]
     _last_layer: Optional[NDArray[np.int8]]
     _last_layer_scale: Optional[NDArray[np.float32]]
 
@@ -77,6 +78,7 @@ class Experience:
         order: str = "",
         embedding: str = "",
         last_layer: Optional[ArrayLike] = None,
+        projection: Optional[ArrayLike] = None,
     ) -> None:
         """An experience to write(). Arrays of the stated dtypes are not copied.
 
@@ -101,6 +103,8 @@ class Experience:
         embedding: how `embeddings` are made of the network's outputs, as in Identity
         last_layer: float32 [frames][its own size], a second embedding of each frame, that of the
                     network's last layer; the file has 8-bit codes with a scale for each frame
+        projection: float32 [dim][raw_dim], directions of which `embeddings` are the coordinates, as
+                    Identity.project() of this experience's identity gives them
         """
         self._histogram = histogram
         self._embeddings = shaped(floats(embeddings, "embeddings"), ("frames", "dim"), "embeddings")
@@ -116,10 +120,14 @@ class Experience:
             position = floats(frame_position, "frame_position", np.float64)
             self._frame_position = shaped(position, (frames, 3), "frame_position")
 
+        self._projection = None
+        if projection is not None:
+            directions = floats(projection, "projection")
+            self._projection = shaped(directions, (dim, "raw_dim"), "projection")
         self._last_layer = self._last_layer_scale = None
         if last_layer is not None:
             values = shaped(floats(last_layer, "last_layer"), (frames, "numbers"), "last_layer")
-            self._last_layer, self._last_layer_scale = _encoded(values)
+            self._last_layer, self._last_layer_scale = encoded(values)
 
         dna = view_of(histogram)
         self._owner = None
@@ -136,6 +144,7 @@ class Experience:
                 bins=dna.bins,
                 range=dna.range,
                 embedding=embedding,
+                projection=self._projection,
             ),
             frames=integer(frames, "the number of frames", 0, UINT32_MAX),
             counts=dna.counts,
@@ -264,7 +273,8 @@ class Experience:
 
     @property
     def embeddings(self) -> NDArray[np.float32]:
-        """[frames][dim]: what frames are localised by."""
+        """[frames][dim]: what frames are localised by; a live frame by `identity.project()` of what the
+        network gives."""
         return self._embeddings
 
     @property
@@ -308,7 +318,7 @@ class Experience:
         return str(self._file.order.decode())
 
 
-def _encoded(values: NDArray[np.float32]) -> Tuple[NDArray[np.int8], NDArray[np.float32]]:
+def encoded(values: NDArray[np.float32]) -> Tuple[NDArray[np.int8], NDArray[np.float32]]:
     """The codes of vdna/int8.h for each row, and the rows' scales.
 
     VdnaError: NONFINITE for a NaN or an infinity, ARG for rows of no numbers

@@ -94,6 +94,7 @@ def identity_fields(
     bins: int,
     range: Optional[int],
     embedding: str,
+    projection: Optional[NDArray[np.float32]],
 ) -> IdentityFields:
     """The C struct; 0 and None stand for what is not known yet. Checked for what fits alone."""
     return IdentityFields(
@@ -107,6 +108,10 @@ def identity_fields(
         bins=bins,
         range=range,
         embedding=text_field(embedding, "embedding", _EMBEDDING_SIZE),
+        projection=None if projection is None else projection.ctypes.data,
+        raw_dim=0
+        if projection is None
+        else integer(projection.shape[1], "raw_dim", 0, UINT32_MAX),
     )
 
 
@@ -114,7 +119,7 @@ class Identity:
     """Everything that must agree for two Visual DNAs to be compared.
 
     What is not known yet (dim, bins, range) is None, and is not compared. The definition of the
-    embedding is known if dim is.
+    embedding is known if dim is; its projection, or that there is none, if range is.
     """
 
     def __init__(
@@ -129,6 +134,7 @@ class Identity:
         bins: Optional[SupportsIndex] = None,
         range: Optional[ArrayLike] = None,
         embedding: str = "",
+        projection: Optional[ArrayLike] = None,
     ) -> None:
         """
         backbone: name of the network, for people: 1 to 63 letters, digits, '.', '_', '-'
@@ -141,11 +147,17 @@ class Identity:
         range: float32 [neurons][2]; not copied
         embedding: how embeddings are made of the network's outputs, up to 255 printable characters;
                    "": one whole output
+        projection: float32 [dim][raw_dim], directions of which the coordinates of an embedding are
+                    kept; not copied; None: all of its numbers are kept
         VdnaError: ARG, FORMAT or MISMATCH for a field that breaks its rule
         """
         neurons = sum(tap.neurons for tap in parse_taps(taps))
         table = None if range is None else shaped(floats(range, "range"), (neurons, 2), "range")
-        self._owner: object = table
+        directions = None
+        if projection is not None:
+            kept = "dim" if dim is None else integer(dim, "dim", 1, UINT32_MAX)
+            directions = shaped(floats(projection, "projection"), (kept, "raw_dim"), "projection")
+        self._owner: object = (table, directions)
         self._fields = identity_fields(
             backbone=backbone,
             model_sha256=model_sha256,
@@ -157,19 +169,21 @@ class Identity:
             bins=0 if bins is None else integer(bins, "bins", 1, UINT32_MAX),
             range=None if table is None else table.ctypes.data,
             embedding=embedding,
+            projection=directions,
         )
         lib.vdna_identity_check(self._fields, Error())
 
     @classmethod
     def _over(cls, owner: object, fields: IdentityFields) -> Identity:
-        """Over the fields of `owner`, which also has the range."""
+        """Over the fields of `owner`, which also has the range and the projection."""
         self = cls.__new__(cls)
         self._owner, self._fields = owner, fields
         return self
 
     def check_comparable(self, other: Identity) -> None:
         """Check that Visual DNAs of both may be compared: same model, preprocessing, taps, and what
-        both know of embedding, dim, bins and range.
+        both know of embedding, dim, bins, range and projection. A network knows no projection: it
+        compares with maps that keep all numbers of its embeddings and with maps that keep fewer.
 
         VdnaError: MISMATCH, naming the first field that differs and both values
         """
@@ -234,6 +248,25 @@ class Identity:
         return bool(lib.vdna_identity_is_centred(self._fields))
 
     @property
+    def projection(self) -> Optional[NDArray[np.float32]]:
+        """[dim][raw_dim]: directions of which the coordinates of an embedding are kept; None: all of
+        its numbers are kept."""
+        fields = self._fields
+        return fields.projection and view(
+            (self._owner, self), fields.projection, (fields.dim, fields.raw_dim), np.float32
+        )
+
+    def project(self, embedding: ArrayLike) -> NDArray[np.float32]:
+        """What is kept of the embedding of a live frame, to compare it with experiences: float32
+        [dim] of what the network gives, [raw_dim], or [dim] without a projection."""
+        fields = self._fields
+        given = (fields.raw_dim if fields.projection else fields.dim,)
+        values = shaped(floats(embedding, "embedding"), given, "embedding")
+        kept = np.empty(fields.dim, np.float32)
+        lib.vdna_identity_project(fields, values.ctypes.data, kept.ctypes.data)
+        return kept
+
+    @property
     def text(self) -> str:
         """The canonical text of docs/reference/SPEC-map.md."""
         text = create_string_buffer(_TEXT_SIZE)
@@ -242,7 +275,7 @@ class Identity:
 
     @property
     def comparable(self) -> Optional[str]:
-        """SHA-256 over the text and the range; None as long as something is not known."""
+        """SHA-256 over the text, the range and the projection; None as long as something is not known."""
         if None in (self.dim, self.bins) or self.range is None:
             return None
         text = create_string_buffer(_SHA256_SIZE)

@@ -1,8 +1,8 @@
 /* exp, log and sqrt of doubles with the same bits on every machine, which those of C libraries do
  * not have, and without a call, so that loops of them vectorise. Within 1e-15 of the exact value.
- * Private to lib/localise. */
-#ifndef VDNA_LOCALISE_ELEMENTARY_H
-#define VDNA_LOCALISE_ELEMENTARY_H
+ * Private to the library. */
+#ifndef VDNA_CORE_ELEMENTARY_H
+#define VDNA_CORE_ELEMENTARY_H
 
 #include <stdint.h>
 #include <string.h>
