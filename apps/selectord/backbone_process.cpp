@@ -460,7 +460,8 @@ void BackboneProcess::take_description()
     const vdna_backbone_info &now = reply_.info;
     if (vdna_identity_check(&now.identity, &error) == VDNA_OK &&
         vdna_identity_compare(&info_.identity, &now.identity, &error) == VDNA_OK &&
-        info_.last_layer_dim == now.last_layer_dim && info_.embedding_int8 == now.embedding_int8) {
+        info_.last_layer_dim == now.last_layer_dim && info_.embedding_int8 == now.embedding_int8 &&
+        info_.embedding_dims == now.embedding_dims) {
         state_ = State::idle;
         return;
     }
