@@ -27,7 +27,8 @@ Camera frames (bot_core.image_t) come in over LCM. The first ones are compared w
 of every experience of the map; the nearest experience is chosen and later frames are localised in
 it. Answers go out on the channels of the [lcm] section; see --print-config for all settings.
 Memory is fixed before it runs: --print-memory states it, [memory] budget_mb limits it; [cpu] sets
-the processors.
+the processors. The network runs in a process of its own, which is started again if it crashes or
+hangs ([backbone] process and budget_ms).
 
 Prints "READY ..." on standard output once it listens, and events on standard error.
 SIGTERM and SIGINT end it at once; `vdna command reset` makes it choose again.

@@ -42,15 +42,18 @@ constexpr double path_max = 4095; // bytes: PATH_MAX
 constexpr double channel_max = VDNA_CHANNEL_BYTES_MAX;
 constexpr double threads_max = 256;
 constexpr double image_bytes_min = 1024, image_bytes_max = VDNA_MESSAGE_BYTES_MAX;
+constexpr double backbone_budget_ms_max = 60000;
 constexpr double budget_mb_max = 1u << 20;
 constexpr double nice_max = 19;
 constexpr double tolerance_max = 1e6;
 
-const std::array<Setting, 24> settings{{
+const std::array<Setting, 26> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max},
     {"backbone", "manifest", &Config::manifest, 1, path_max},
     {"backbone", "threads", &Config::threads, 1, threads_max},
     {"backbone", "runtime", &Config::runtime, 0, path_max},
+    {"backbone", "process", &Config::backbone_process, 0, 0},
+    {"backbone", "budget_ms", &Config::budget_ms, 0, backbone_budget_ms_max},
     {"warmup", "frames", &Config::warmup_frames, 1, UINT32_MAX},
     {"warmup", "seconds", &Config::warmup_seconds, warmup_seconds_min, warmup_seconds_max},
     {"warmup", "frames_min", &Config::warmup_frames_min, 1, UINT32_MAX},

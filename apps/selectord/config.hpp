@@ -18,6 +18,11 @@ struct Config {
     std::string manifest = VDNA_BACKBONE_DEFAULT; // bare name, or path of a .toml or a .so
     uint32_t threads = VDNA_BACKBONE_THREADS_DEFAULT;
     std::string runtime; // path of libonnxruntime.so; "" = found automatically
+    // Run the network in a process of its own, except for a replay.
+    bool backbone_process = true;
+    // Milliseconds that it may then take for a picture; 0 = ten times what it takes at the start,
+    // at least 500.
+    uint32_t budget_ms = 0;
     uint32_t warmup_frames = VDNA_WARMUP_FRAMES_DEFAULT; // 0 = by time
     double warmup_seconds = 0; // 0 = by frames; exactly one of the two is set
     uint32_t warmup_frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT;

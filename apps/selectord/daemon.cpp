@@ -50,8 +50,9 @@ Localising localising_of(const std::vector<std::unique_ptr<ExperienceLocaliser>>
 
 } // namespace
 
-Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone)
-    : config_(config), map_(map), backbone_(backbone),
+Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone,
+               BackboneProcess *process)
+    : config_(config), map_(map), backbone_(backbone), process_(process),
       is_replay_(vdna_transport_is_log(config.url.c_str()) != 0),
       localisers_(localisers_in(map, config)),
       selector_(map.candidates(), map.experiences().front().identity.dim, warmup_of(config),
@@ -279,6 +280,14 @@ void Daemon::announce_choice(vdna_transport *transport)
                   ranking.distance_bins[0], ranking.margin_bins);
 }
 
+Resident Daemon::resident() const
+{
+    Resident resident = memory_.read();
+    if (process_)
+        resident += process_->resident();
+    return resident;
+}
+
 void Daemon::publish_status(vdna_transport *transport)
 {
     const Health health{*selector_.get(),
@@ -288,7 +297,7 @@ void Daemon::publish_status(vdna_transport *transport)
                         stages_,
                         refused_,
                         window_frames_max_,
-                        memory_.read(),
+                        resident(),
                         verdict_.text[0] ? verdict_.text.data() : problems_.last()};
     const vdna_msg_status_t message = status_of(health, program::wall_us());
     publish(transport, config_.status_channel, vdna_message_status, &message);

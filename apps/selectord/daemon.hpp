@@ -16,6 +16,7 @@
 #include <vdna/transport.h>
 
 #include "selectord/answer_file.hpp"
+#include "selectord/backbone_process.hpp"
 #include "selectord/config.hpp"
 #include "selectord/limited_log.hpp"
 #include "selectord/reports.hpp"
@@ -29,8 +30,10 @@ namespace vdna::selectord
 class Daemon
 {
   public:
-    // Allocates all memory of the loop; borrows all three. Throws Error.
-    Daemon(const Config &config, const Map &map, const Backbone &backbone);
+    // Allocates all memory of the loop; borrows all four. `process` is that of the backbone,
+    // nullptr if it has none of its own. Throws Error.
+    Daemon(const Config &config, const Map &map, const Backbone &backbone,
+           BackboneProcess *process = nullptr);
 
     // Size of the largest message that run() publishes, in bytes.
     uint32_t message_size_max() const;
@@ -63,6 +66,7 @@ class Daemon
     vdna_msg_localisation_t place_of(const vdna_knn_match &match, int64_t utime) const;
     vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason);
     void announce_choice(vdna_transport *transport);
+    Resident resident() const;
     void publish_status(vdna_transport *transport);
     void publish(vdna_transport *transport, const std::string &channel,
                  const vdna_message_type &type, const void *message);
@@ -71,6 +75,7 @@ class Daemon
     const Config &config_;
     const Map &map_;
     const Backbone &backbone_;
+    BackboneProcess *const process_;
     const bool is_replay_; // frames come from a log, on which nothing can be sent
     const std::vector<std::unique_ptr<ExperienceLocaliser>> localisers_; // one for each experience
                                                                          // if the filter is on

@@ -4,6 +4,7 @@
 #include <exception>
 #include <iostream>
 #include <numeric>
+#include <optional>
 
 #include <signal.h>
 
@@ -13,6 +14,8 @@
 #include <vdna/cpp/map.hpp>
 
 #include "program/exit_code.hpp"
+#include "selectord/backbone_child.hpp"
+#include "selectord/backbone_process.hpp"
 #include "selectord/command_line.hpp"
 #include "selectord/daemon.hpp"
 #include "selectord/memory_statement.hpp"
@@ -45,6 +48,12 @@ vdna_transport_memory memory_of(const vdna_transport_config &transport)
     vdna_transport_memory memory{};
     vdna_transport_memory_of(&transport, &memory); // cannot fail: our configuration is valid
     return memory;
+}
+
+// In a replay nobody needs answers in time, and the same log is to give the same ones.
+bool wants_backbone_process(const Config &config)
+{
+    return config.backbone_process && !vdna_transport_is_log(config.url.c_str());
 }
 
 void say_ok(const Config &config, const Map &map, const Backbone &backbone)
@@ -102,11 +111,20 @@ program::ExitCode run(int argc, char **argv)
     start_up.map = resident.read();
 
     // The network and the loop's memory: the large allocations end here.
-    const Backbone backbone(config.manifest, config.threads, config.runtime,
-                            config.max_image_pixels);
+    const bool will_run = !invocation->print_memory && !invocation->check;
+    std::optional<BackboneProcess> process;
+    if (wants_backbone_process(config))
+        process.emplace(config, config.lock_memory && will_run);
+    const Backbone backbone = process ? process->open()
+                                      : Backbone(config.manifest, config.threads, config.runtime,
+                                                 config.max_image_pixels);
     map.require_backbone(backbone.info());
     start_up.backbone = resident.read();
-    Daemon daemon(config, map, backbone);
+    if (process) {
+        start_up.process = process->resident();
+        start_up.mailbox = process->shared_bytes();
+    }
+    Daemon daemon(config, map, backbone, process ? &*process : nullptr);
     const vdna_transport_config transport = transport_config(config, daemon);
     const MemoryStatement memory(config, start_up, map, backbone, daemon, memory_of(transport));
     if (invocation->print_memory) {
@@ -142,6 +160,8 @@ program::ExitCode run(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+    if (is_backbone_child(argc, argv))
+        return run_backbone_child();
     try {
         return run(argc, argv);
     } catch (const vdna::Error &error) {

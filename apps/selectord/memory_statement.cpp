@@ -77,22 +77,26 @@ std::vector<std::pair<std::string, uint64_t>> held_by_name(const std::vector<Mem
 MemoryStatement::MemoryStatement(const Config &config, const StartUp &start_up, const Map &map,
                                  const Backbone &backbone, const Daemon &daemon,
                                  const vdna_transport_memory &transport)
-    : config_(config), loading_(static_cast<uint64_t>(start_up.backbone.most))
+    : config_(config),
+      loading_(static_cast<uint64_t>(start_up.backbone.most + start_up.process.most))
 {
     const std::string experiences = std::to_string(map.experiences().size());
     const std::string pixels = std::to_string(config.max_image_pixels);
     const size_t histogram = daemon.histogram_size();
     const uint64_t picture = config.max_image_bytes;
     const bool pinned = config.lock_memory;
+    const std::string backbone_name = backbone.info().identity.backbone;
     parts_ = {
         {"program", "code, libraries and heap before the map is opened",
          static_cast<uint64_t>(start_up.program.now), true, false},
         {"map", experiences + " experience files, mapped and shared", bytes_of(map), false,
          !pinned},
         {"map", "embeddings decoded from 8-bit codes", decoded_bytes_of(map), false, false},
-        {"backbone",
-         std::string(backbone.info().identity.backbone) + ": runtime, network and arena",
-         growth(start_up.map, start_up.backbone), true, false},
+        {"backbone", backbone_name + ": runtime, network and arena",
+         growth(start_up.map, start_up.backbone) + static_cast<uint64_t>(start_up.process.now),
+         true, false},
+        {"backbone", "picture and numbers on their way between two processes", start_up.mailbox,
+         false, false},
         {"localise", "frames of the map as directions, place filters", daemon.localisers_size(),
          false, false},
         {"core", "live histogram", histogram, false, false},

@@ -25,11 +25,14 @@ struct MemoryPart {
     bool evictable;   // pages of a file, which the system may drop and reread
 };
 
-// Memory of the process at each step of its start.
+// Memory of the daemon at each step of its start.
 struct StartUp {
     Resident program;  // before the map is opened
     Resident map;      // after that
     Resident backbone; // after the network is loaded and has run
+    // The process of the network, if it has one of its own, at that moment.
+    Resident process;
+    uint64_t mailbox = 0; // bytes that both processes share
 };
 
 class MemoryStatement
@@ -40,7 +43,8 @@ class MemoryStatement
                     const vdna_transport_memory &transport);
 
     const std::vector<MemoryPart> &parts() const { return parts_; }
-    // Upper bound of resident memory, including the map and loading the network.
+    // Upper bound of resident memory, including the map and loading the network. Of two processes,
+    // the sum: code that they share counts twice.
     uint64_t resident_max() const;
     // The part that the system cannot take back; all of it if locked.
     uint64_t held_max() const;

@@ -26,7 +26,14 @@ int64_t bytes_of(const char *text, const char *key)
 
 } // namespace
 
-ResidentMemory::ResidentMemory() : file_(open("/proc/self/status", O_RDONLY | O_CLOEXEC)) {}
+ResidentMemory::ResidentMemory() : ResidentMemory(getpid()) {}
+
+ResidentMemory::ResidentMemory(pid_t process)
+{
+    char path[32];
+    std::snprintf(path, sizeof path, "/proc/%d/status", static_cast<int>(process));
+    file_ = open(path, O_RDONLY | O_CLOEXEC);
+}
 
 ResidentMemory::~ResidentMemory()
 {

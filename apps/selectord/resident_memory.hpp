@@ -1,7 +1,9 @@
-// Resident memory of the process.
+// Resident memory of a process.
 #pragma once
 
 #include <cstdint>
+
+#include <sys/types.h>
 
 namespace vdna::selectord
 {
@@ -11,13 +13,22 @@ struct Resident {
     int64_t now = 0;
     int64_t anonymous = 0; // of that, not backed by a file
     int64_t most = 0;      // since the process began
+
+    Resident &operator+=(const Resident &other)
+    {
+        now += other.now;
+        anonymous += other.anonymous;
+        most += other.most;
+        return *this;
+    }
 };
 
-// Keeps /proc/self/status open; reading it again allocates nothing.
+// Keeps /proc/PID/status open; reading it again allocates nothing.
 class ResidentMemory
 {
   public:
-    ResidentMemory();
+    ResidentMemory(); // of this process
+    explicit ResidentMemory(pid_t process);
     ~ResidentMemory();
     ResidentMemory(const ResidentMemory &) = delete;
     ResidentMemory &operator=(const ResidentMemory &) = delete;

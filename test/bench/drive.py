@@ -50,14 +50,14 @@ class Drive:
     def ask(self, number, picture):
         """Send one picture, the number-th of the camera, and wait for its answer."""
         message = image_message(number * PERIOD_US, picture)
-        before = waited(self._daemon.pid) + waited()
+        before = sum(map(waited, (*self._daemon.pids, "self")))
         begin, ranked = time.perf_counter(), None
         self._camera.send(message)
         while (channel := self._answers.next_channel()) != b"VDNA_LOCALISATION":
             if channel == b"VDNA_RANKING":
                 ranked = time.perf_counter() - begin
         seconds = time.perf_counter() - begin
-        share = (waited(self._daemon.pid) + waited() - before) / seconds
+        share = (sum(map(waited, (*self._daemon.pids, "self"))) - before) / seconds
         self.asked.append((seconds, ranked, share))
         return seconds
 

@@ -39,17 +39,18 @@ def drive(context, name, manifest, precision):
             Bare(context.build, manifest) as bare:
         course = Drive(camera, answers, daemon)
         bare.run(2)
-        ran_before = ran(daemon.pid), ran(bare.pid)
+        processes = daemon.pids, [bare.pid]
+        ran_before = [sum(map(ran, pids)) for pids in processes]
         for first in range(0, frames, BLOCK):
             for utime in range(first, min(first + BLOCK, frames)):
                 course.ask(utime, pictures[utime])
             blocks.append((course.asked[first:], bare.run(BLOCK), package and package.seconds()))
-        processor_ms = [1e3 * (ran(process.pid) - before) / frames
-                        for process, before in zip((daemon, bare), ran_before)]
+        processor_ms = [1e3 * (sum(map(ran, pids)) - before) / frames
+                        for pids, before in zip(processes, ran_before)]
         with Watch() as watch:
             status = watch.wait_for("status", lambda said: said["processed"] == frames)
         more = {"bytes": statistics.median(map(len, pictures)), "candidates": candidates,
-                "memory_mib": peak_bytes(daemon.pid) / 2**20,
+                "memory_mib": sum(map(peak_bytes, daemon.pids)) / 2**20,
                 "bare_memory_mib": peak_bytes(bare.pid) / 2**20,
                 "map_mib": sum(file.stat().st_size for file in options[1].iterdir()) / 2**20,
                 "processor_ms": processor_ms[0], "bare_processor_ms": processor_ms[1],
@@ -126,9 +127,9 @@ def long_run(context, name):
         course = Drive(camera, answers, daemon)
         for utime in range(frames):
             if utime % (frames // 40) == 0:
-                points.append((utime, resident_bytes(daemon.pid) / 2**20))
+                points.append((utime, sum(map(resident_bytes, daemon.pids)) / 2**20))
             course.ask(utime, pictures[utime % len(pictures)])
-        points.append((frames, resident_bytes(daemon.pid) / 2**20))
+        points.append((frames, sum(map(resident_bytes, daemon.pids)) / 2**20))
     took = sorted(frame[0] for frame in course.asked)
     median = statistics.median(took)
     timed = {"median": median, "least": took[0], "most": took[-1], "rounds": frames, "peers": {},

@@ -57,9 +57,10 @@ class WithConfiguration(unittest.TestCase):
         return path
 
 
-def selectord(*arguments):
-    """Run vdna_selectord until it ends by itself."""
+def selectord(*arguments, environment=None):
+    """Run vdna_selectord until it ends by itself; `environment` is added to this process's own."""
     return subprocess.run([os.path.join(BIN, "vdna_selectord"), *map(str, arguments)],
+                          env={**os.environ, **(environment or {})},
                           capture_output=True, text=True, timeout=PATIENCE)
 
 
@@ -110,6 +111,8 @@ class Selectord:
         if not self._output.next(time.monotonic() + PATIENCE):
             self.__exit__()
             raise AssertionError(f"the daemon was never READY: {self.log}")
+        # Its processes at this moment.
+        self.pids = [pid for pid in (self.pid, network_process(self.pid)) if pid]
 
     def __enter__(self):
         return self
@@ -214,6 +217,19 @@ def memory_of(pid):
     with open(f"/proc/{pid}/status", encoding="ascii") as file:
         lines = [line.split() for line in file]
     return {line[0][:-1]: 1024 * int(line[1]) for line in lines if line[-1] == "kB"}
+
+
+def network_process(daemon):
+    """The id of the process that runs the network of a daemon; None if there is none."""
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{pid}/stat", encoding="utf-8") as file:
+                parent = file.read().rpartition(")")[2].split()[1]
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        if int(parent) == daemon:
+            return int(pid)
+    return None
 
 
 class Camera:

@@ -131,8 +131,11 @@ class Programs(unittest.TestCase):
 
     def test_answer_cameras_as_rank_and_localise_do_here(self):
         pictures = jpegs_in(LIVE)
+        # An emulated process can neither execute itself nor confine itself.
+        settings = WORK / "selectord.toml"
+        settings.write_text("[backbone]\nprocess = false\n", encoding="ascii")
         with Watch() as watch, Camera() as camera, \
-                Selectord("--map", NATIVE_MAP, "--warmup-frames", WARMUP):
+                Selectord("--map", NATIVE_MAP, "--warmup-frames", WARMUP, "-c", settings):
             answers = []
             for utime, picture in enumerate(pictures):
                 camera.send_jpeg(utime, picture)

@@ -5,7 +5,7 @@
 // others. So the growth of a std::string in our code is ours, and allocations by OpenCV, ONNX
 // Runtime, LCM and libjpeg are theirs, even if we called them.
 //
-// The counts are in the file $VDNA_ALLOCATIONS, for others to read while the program runs:
+// The counts are in the file $VDNA_ALLOCATIONS.PID, for others to read while the program runs:
 // see allocations.py.
 #define _GNU_SOURCE
 #include <errno.h>
@@ -15,6 +15,7 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -200,8 +201,10 @@ EXPORTED void free(void *block)
 
 __attribute__((constructor)) static void open_file(void)
 {
-    const char *path = getenv("VDNA_ALLOCATIONS");
-    const int file = path ? open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666) : -1;
+    const char *prefix = getenv("VDNA_ALLOCATIONS");
+    char path[4096];
+    snprintf(path, sizeof path, "%s.%d", prefix ? prefix : "", (int)getpid());
+    const int file = prefix ? open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666) : -1;
     if (file < 0 || ftruncate(file, sizeof(counts)) != 0)
         return;
     void *shared = mmap(NULL, sizeof(counts), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);

@@ -7,7 +7,7 @@ import sys
 import tempfile
 import unittest
 
-from selectord import Selectord, memory_of
+from selectord import Selectord, memory_of, network_process
 
 STUB = os.environ["VDNA_STUB_BACKBONE"]
 
@@ -31,8 +31,10 @@ class Lock(unittest.TestCase):
                 sys.exit(77)
             with locked_daemon:
                 locked = memory_of(locked_daemon.pid)
+                network = memory_of(network_process(locked_daemon.pid))
         self.assertEqual(free["VmLck"], 0)
         self.assertGreaterEqual(locked["VmLck"], locked["VmRSS"] * 3 // 4)
+        self.assertGreaterEqual(network["VmLck"], network["VmRSS"] * 3 // 4)
         self.assertLess(locked["VmRSS"], free["VmRSS"] * 3 // 2)
 
 

@@ -11,7 +11,8 @@ import unittest
 
 import own_network
 from allocations import Allocations
-from selectord import Camera, Listener, Selectord, answer_of, jpegs_in, memory_of, vdna
+from selectord import (Camera, Listener, Selectord, answer_of, jpegs_in, memory_of,
+                       network_process, vdna)
 
 WORK = os.path.abspath("real_frames")
 MAP, LIVE = os.path.join(WORK, "map"), os.path.join(WORK, "drives")
@@ -51,27 +52,38 @@ class RealFrames(unittest.TestCase):
         with Listener("VDNA_LOCALISATION") as answers, Camera() as camera, \
                 Selectord("--map", MAP, "--warmup-frames", 30,
                           environment=allocations.environment) as daemon:
-            ready = allocations.read()[1]["program"]
+            pids = {"daemon": daemon.pid, "network": network_process(daemon.pid)}
+
+            def read():
+                return {name: (*allocations.read(pid), memory_of(pid)["VmRSS"])
+                        for name, pid in pids.items()}
+            ready = read()
             for frame in range(FRAMES + SETTLED):
                 if frame == SETTLED:
-                    early, early_memory = allocations.read(), memory_of(daemon.pid)
+                    early = read()
                 if frame % RESET_EVERY == SETTLED // 2:
                     vdna("command", "reset")
                 camera.send_jpeg(frame, live[frame % len(live)])
                 utime, _, skipped = answer_of(answers.next())
                 self.assertEqual((utime, skipped), (frame, 0))
-            late, late_memory = allocations.read(), memory_of(daemon.pid)
+            late = read()
 
-        more = {name: count - early[1].get(name, 0) for name, count in late[1].items()}
-        print(f"over {FRAMES} frames: live {early[0]} -> {late[0]} bytes, resident "
-              f"{early_memory['VmRSS']} -> {late_memory['VmRSS']}; allocations per frame: " +
-              ", ".join(f"{name} {count / FRAMES:.2f}" for name, count in more.items() if count))
-        self.assertGreater(ready, 0)  # otherwise nothing is being counted
-        self.assertEqual(late[1]["program"], ready)
+        for name in pids:
+            self.assert_flat(name, ready[name], early[name], late[name])
+        _, calls, _ = late["network"]
         self.assertTrue(any("onnxruntime" in name and count > FRAMES
-                            for name, count in more.items()))
-        self.assertLess(abs(late[0] - early[0]), FLAT_LIVE)
-        self.assertLess(late_memory["VmRSS"] - early_memory["VmRSS"], FLAT_RESIDENT)
+                            for name, count in calls.items()))
+
+    def assert_flat(self, name, ready, early, late):
+        (early_live, early_calls, early_resident), (live, calls, resident) = early, late
+        more = {name: count - early_calls.get(name, 0) for name, count in calls.items()}
+        print(f"{name} over {FRAMES} frames: live {early_live} -> {live} bytes, resident "
+              f"{early_resident} -> {resident}; allocations per frame: " +
+              ", ".join(f"{name} {count / FRAMES:.2f}" for name, count in more.items() if count))
+        self.assertGreater(ready[1]["program"], 0)  # otherwise nothing is being counted
+        self.assertEqual(calls["program"], ready[1]["program"])
+        self.assertLess(abs(live - early_live), FLAT_LIVE)
+        self.assertLess(resident - early_resident, FLAT_RESIDENT)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ or lets its backlog grow, exceeds it at once.
 
 It also tests the effect of [cpu] and [backbone] threads on the threads of the process.
 """
+import glob
 import os
 import shutil
 import statistics
@@ -22,7 +23,7 @@ import own_network
 from camera30 import Camera30
 from ends_with_us import ENDS_WITH_US
 from selectord import (Camera, Listener, Selectord, Watch, WithConfiguration, answer_of, jpegs_in,
-                       selectord, vdna)
+                       network_process, selectord, vdna)
 
 UNDER_LOAD_MAX = 16  # undisturbed medians
 SECONDS = 4          # of each phase
@@ -71,13 +72,15 @@ def latencies(answers):
     return found
 
 
-def threads_of(pid):
-    """The fields of /proc of each thread: allowed processors, niceness."""
+def threads_of(daemon):
+    """The fields of /proc of each thread, those of its network's process included: allowed
+    processors, niceness."""
     found = []
-    for thread in os.listdir(f"/proc/{pid}/task"):
-        with open(f"/proc/{pid}/task/{thread}/status", encoding="ascii") as file:
+    for thread in glob.glob(f"/proc/{daemon}/task/*") + \
+            glob.glob(f"/proc/{network_process(daemon)}/task/*"):
+        with open(f"{thread}/status", encoding="ascii") as file:
             status = dict(line.rstrip("\n").split(":\t", 1) for line in file if ":\t" in line)
-        with open(f"/proc/{pid}/task/{thread}/stat", encoding="ascii") as file:
+        with open(f"{thread}/stat", encoding="ascii") as file:
             fields = file.read().rpartition(")")[2].split()
         found.append((status["Cpus_allowed_list"], int(fields[16])))
     return found

@@ -33,11 +33,13 @@ class Backbone
         require(vdna_backbone_open(&config, &error, &handle_), error);
         vdna_backbone_describe(handle_, &info_);
     }
-    /** Open a network by a table of the caller's, with the default configuration; throws Error. */
-    explicit Backbone(const vdna_backbone_operations &operations)
+    /** Open a network by a table of the caller's, with the default configuration; throws Error.
+     *  @param manifest  handed to the table's `open` as it is; NULL is allowed */
+    explicit Backbone(const vdna_backbone_operations &operations, const char *manifest = nullptr)
     {
         vdna_backbone_config config;
         vdna_backbone_config_init(&config);
+        config.manifest = manifest;
         vdna_error error{};
         require(vdna_backbone_open_with(&operations, &config, &error, &handle_), error);
         vdna_backbone_describe(handle_, &info_);
