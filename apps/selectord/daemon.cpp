@@ -21,74 +21,32 @@ namespace
 constexpr int64_t status_period_us = 1000000;
 constexpr int32_t poll_ms = 50; // bounds the delay of a stop or a status without frames
 
-Warmup warmup_of(const Config &config)
-{
-    return {config.warmup_frames, static_cast<int64_t>(config.warmup_seconds * 1e6),
-            config.warmup_frames_min};
-}
-
-std::vector<std::unique_ptr<ExperienceLocaliser>> localisers_in(const Map &map,
-                                                                const Config &config)
-{
-    std::vector<std::unique_ptr<ExperienceLocaliser>> localisers;
-    if (config.place_filter)
-        for (const vdna_experience &experience : map.experiences())
-            localisers.push_back(
-                std::make_unique<ExperienceLocaliser>(experience, config.tolerance));
-    return localisers;
-}
-
-Localising localising_of(const std::vector<std::unique_ptr<ExperienceLocaliser>> &localisers,
-                         uint32_t top)
-{
-    Localising localising;
-    for (const std::unique_ptr<ExperienceLocaliser> &localiser : localisers)
-        localising.by.push_back(localiser->get());
-    localising.top = top;
-    return localising;
-}
+// A ranking of a map that a reload brings may be larger than that of the map at the start.
+constexpr uint32_t ranking_growth = 2;
+constexpr uint32_t message_size_min = 1 << 14;
 
 } // namespace
 
-Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone,
+Daemon::Daemon(const Config &config, std::unique_ptr<const Map> map, const Backbone &backbone,
                BackboneProcess *process)
-    : config_(config), map_(map), backbone_(backbone), process_(process),
+    : config_(config), backbone_(backbone), process_(process),
       is_replay_(vdna_transport_is_log(config.url.c_str()) != 0),
-      localisers_(localisers_in(map, config)),
-      selector_(map.candidates(), map.experiences().front().identity.dim, warmup_of(config),
-                config.map_directory, {static_cast<int64_t>(config.late_seconds * 1e6)},
-                localising_of(localisers_, config.top)),
-      projected_(map.experiences().front().identity.dim), ranking_(map, backbone.info()),
+      session_(std::make_unique<MapSession>(config, std::move(map), backbone.info())),
+      message_size_max_(std::max({ranking_growth * session_->ranking().encoded_size(),
+                                  message_size_min, other_messages_size_max})),
       waiting_(config, is_replay_)
 {
 }
 
-uint32_t Daemon::message_size_max() const
-{
-    return std::max(ranking_.encoded_size(), other_messages_size_max);
-}
-
-size_t Daemon::histogram_size() const
-{
-    vdna_hist_view live;
-    vdna_select_live(selector_.get(), &live);
-    const size_t numbers_per_neuron = live.bins + 2; // counts, mass, saturated
-    return numbers_per_neuron * live.neurons * sizeof(uint32_t);
-}
-
-size_t Daemon::localisers_size() const
-{
-    size_t size = 0;
-    for (const std::unique_ptr<ExperienceLocaliser> &localiser : localisers_)
-        size += sizeof *localiser + localiser->memory_size();
-    return size;
-}
-
 size_t Daemon::size() const
 {
-    const size_t per_experience = sizeof(char *) + 2 * sizeof(double) + sizeof(int8_t);
-    return sizeof *this + selector_.memory_size() + projected_.size() * sizeof(float) +
-           map_.experiences().size() * per_experience;
+    return sizeof *this + session_->size();
+}
+
+void Daemon::reload_when(std::atomic<bool> &requested, uint64_t held_bytes)
+{
+    reload_.emplace(config_, backbone_.info(), requested,
+                    MapReload::Room{message_size_max_, held_bytes});
 }
 
 void Daemon::keep_answers(const std::string &path)
@@ -115,6 +73,8 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
 
         if (events & VDNA_TRANSPORT_RESET)
             reset();
+        if (reload_)
+            go_on_reloading();
         if (events & VDNA_TRANSPORT_FRAME)
             answer(transport, frame, stop);
 
@@ -145,20 +105,20 @@ void Daemon::overhear(vdna_transport *transport)
 
 Facts Daemon::facts(vdna_transport *transport) const
 {
-    const vdna_camera_time &time = *vdna_select_time(selector_.get());
+    const FrameCounts counts = session_->counts();
     Facts facts;
     facts.now_us = program::monotonic_us();
     facts.camera = *vdna_transport_count(transport);
     facts.overheard = vdna_transport_overheard_channels(transport, &facts.overheard_count);
-    facts.selected = vdna_select_state(selector_.get()) == VDNA_SELECT_SELECTED;
-    facts.progress = vdna_select_progress(selector_.get());
-    facts.accepted = vdna_select_accepted(selector_.get());
+    facts.selected = vdna_select_state(session_->select()) == VDNA_SELECT_SELECTED;
+    facts.progress = vdna_select_progress(session_->select());
+    facts.accepted = counts.accepted;
     facts.refused = refused_;
-    facts.late = time.late;
-    facts.still = time.still;
-    facts.restarts = vdna_select_restarts(selector_.get());
+    facts.late = counts.late;
+    facts.still = vdna_select_time(session_->select())->still;
+    facts.restarts = counts.restarts;
     facts.refusal = refusal_.data();
-    facts.restart_reason = vdna_restart_text(vdna_select_restart_cause(selector_.get()));
+    facts.restart_reason = vdna_restart_text(vdna_select_restart_cause(session_->select()));
     return facts;
 }
 
@@ -187,8 +147,28 @@ void Daemon::end_log(vdna_transport *transport) const
 
 void Daemon::reset()
 {
-    vdna_select_reset(selector_.get());
+    vdna_select_reset(session_->select());
     resets_.note(program::monotonic_us(), "reset by command, warming up again");
+}
+
+// Between two frames, so each is answered from one map as a whole.
+void Daemon::go_on_reloading()
+{
+    reload_->begin(*session_);
+    try {
+        std::unique_ptr<MapSession> next = reload_->take();
+        if (!next)
+            return;
+        next->count_on_from(*session_);
+        session_ = std::move(next);
+        map_is_old_ = false;
+        reloads_.note(program::monotonic_us(), "the map is reloaded: %zu experiences, warming up",
+                      session_->experiences().size());
+    } catch (const std::exception &error) {
+        map_is_old_ = true;
+        reload_problems_.note(program::monotonic_us(), "not reloaded, the old map serves: %s",
+                              error.what());
+    }
 }
 
 void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame,
@@ -231,15 +211,16 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
                                                    Stopwatch &watch)
 {
     const vdna_select_frame live{frame.utime, seen.taps, seen.tap_count,
-                                 map_.embedding_of(seen, projected_)};
+                                 session_->embedding_of(seen)};
     vdna_select_answer found;
-    const vdna_status status = vdna_select_feed(selector_.get(), &live, &found);
+    const vdna_status status = vdna_select_feed(session_->select(), &live, &found);
     if (status == VDNA_ERR_LATE)
         return {};
     if (status != VDNA_OK)
         return refuse(frame, vdna_status_text(status));
     (found.newly_ranked ? stages_.rank : stages_.select).add(watch.lap_us());
-    window_frames_max_ = std::max(window_frames_max_, vdna_select_window_frames(selector_.get()));
+    window_frames_max_ =
+        std::max(window_frames_max_, vdna_select_window_frames(session_->select()));
 
     if (found.restarted)
         problems_.note(program::monotonic_us(), "the warmup began anew, %s",
@@ -254,10 +235,10 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
 
 vdna_msg_localisation_t Daemon::place_of(const vdna_knn_match &match, int64_t utime) const
 {
-    const std::vector<vdna_experience> &experiences = map_.experiences();
-    const vdna_select_position *const where = vdna_select_where(selector_.get());
+    const std::vector<vdna_experience> &experiences = session_->experiences();
+    const vdna_select_position *const where = vdna_select_where(session_->select());
     if (!where)
-        return nearest_in(experiences[vdna_select_chosen(selector_.get())], match, utime);
+        return nearest_in(experiences[vdna_select_chosen(session_->select())], match, utime);
     return position_in(experiences[where->candidate], where->answer, config_.min_confidence, utime);
 }
 
@@ -272,7 +253,7 @@ vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const 
 
 void Daemon::announce_choice(vdna_transport *transport)
 {
-    const vdna_msg_ranking_t &ranking = ranking_.fill(*selector_.get());
+    const vdna_msg_ranking_t &ranking = session_->ranking().fill(*session_->select());
     publish(transport, config_.ranking_channel, vdna_message_ranking, &ranking);
     choices_.note(program::monotonic_us(),
                   "selected %s of %d after %d frames: distance %.3f bins, margin %.3f bins",
@@ -288,17 +269,25 @@ Resident Daemon::resident() const
     return resident;
 }
 
+const char *Daemon::problem() const
+{
+    if (verdict_.text[0])
+        return verdict_.text.data();
+    return map_is_old_ ? reload_problems_.last() : problems_.last();
+}
+
 void Daemon::publish_status(vdna_transport *transport)
 {
-    const Health health{*selector_.get(),
+    const Health health{*session_->select(),
                         *vdna_transport_count(transport),
-                        map_.experiences(),
+                        session_->experiences(),
                         backbone_.info(),
                         stages_,
+                        session_->counts(),
                         refused_,
                         window_frames_max_,
                         resident(),
-                        verdict_.text[0] ? verdict_.text.data() : problems_.last()};
+                        problem()};
     const vdna_msg_status_t message = status_of(health, program::wall_us());
     publish(transport, config_.status_channel, vdna_message_status, &message);
 }

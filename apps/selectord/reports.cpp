@@ -155,13 +155,13 @@ void fill_counters(const Health &health, vdna_msg_status_t &message)
 {
     const vdna_transport_counters &counters = health.transport;
     message.received = static_cast<int64_t>(counters.received);
-    message.processed = static_cast<int64_t>(vdna_select_accepted(&health.select));
+    message.processed = static_cast<int64_t>(health.counts.accepted);
     message.refused = static_cast<int64_t>(health.refused);
     message.skipped = static_cast<int64_t>(counters.skipped);
     message.oversized = static_cast<int64_t>(counters.oversized);
-    message.late = static_cast<int64_t>(vdna_select_time(&health.select)->late);
+    message.late = static_cast<int64_t>(health.counts.late);
     message.rejected = static_cast<int64_t>(counters.rejected);
-    message.restarts = static_cast<int64_t>(vdna_select_restarts(&health.select));
+    message.restarts = static_cast<int64_t>(health.counts.restarts);
 }
 
 void fill_stages(const Stages &stages, vdna_msg_status_t &message)

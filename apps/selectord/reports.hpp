@@ -51,6 +51,12 @@ vdna_msg_localisation_t nearest_in(const vdna_experience &map, const vdna_knn_ma
 vdna_msg_localisation_t position_in(const vdna_experience &map, const vdna_localise_answer &answer,
                                     double min_confidence, int64_t utime);
 
+// What became of frames since the start of the daemon.
+struct FrameCounts {
+    uint64_t accepted = 0, late = 0;
+    uint64_t restarts = 0; // warmups begun anew because of them
+};
+
 // The contents of a status message.
 struct Health {
     const vdna_select &select;
@@ -58,6 +64,7 @@ struct Health {
     const std::vector<vdna_experience> &experiences;
     const vdna_backbone_info &backbone;
     const Stages &stages;
+    FrameCounts counts;
     uint64_t refused;
     uint32_t window_frames_max;
     Resident resident;
