@@ -54,13 +54,15 @@ void Daemon::keep_answers(const std::string &path)
     answers_.emplace(path);
 }
 
-void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
+void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop,
+                 const ServiceManager &manager)
 {
     if (is_replay_ && !answers_)
         std::fprintf(stderr,
                      "vdna_selectord: answers to a log cannot be sent and are not kept; keep "
                      "them with --answers FILE\n");
     overhear(transport); // of a log, the first poll may take hundreds of messages
+    manager.ready();
     int64_t next_status_us = program::monotonic_us();
     while (!stop) {
         uint32_t events = 0;
@@ -74,27 +76,37 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
         if (events & VDNA_TRANSPORT_RESET)
             reset();
         if (reload_)
-            go_on_reloading();
+            go_on_reloading(manager);
         if (events & VDNA_TRANSPORT_FRAME)
             answer(transport, frame, stop);
 
         // At 1 Hz, with or without frames; beats missed during a long inference are dropped.
         const int64_t now_us = program::monotonic_us();
         if (now_us >= next_status_us) {
-            beat(transport);
+            beat(transport, manager);
             next_status_us += ((now_us - next_status_us) / status_period_us + 1) * status_period_us;
         }
     }
+    manager.stopping();
 }
 
 // Once a second: say what is wrong, listen around if that helps, and publish the status.
-void Daemon::beat(vdna_transport *transport)
+void Daemon::beat(vdna_transport *transport, const ServiceManager &manager)
 {
     verdict_ = waiting_.judge(facts(transport));
     if (verdict_.is_news)
         std::fprintf(stderr, "vdna_selectord: %s\n", verdict_.text.data());
     overhear(transport);
     publish_status(transport);
+    if (network_makes_progress()) // as do the loop, and the transport that it has polled
+        manager.alive();
+}
+
+// It has answered since the last beat, or nothing was asked.
+bool Daemon::network_makes_progress()
+{
+    const bool answers = std::exchange(network_answers_, 0) > 0;
+    return std::exchange(network_runs_, 0) == 0 || answers;
 }
 
 void Daemon::overhear(vdna_transport *transport)
@@ -152,9 +164,10 @@ void Daemon::reset()
 }
 
 // Between two frames, so each is answered from one map as a whole.
-void Daemon::go_on_reloading()
+void Daemon::go_on_reloading(const ServiceManager &manager)
 {
-    reload_->begin(*session_);
+    if (reload_->begin(*session_))
+        manager.reloading();
     try {
         std::unique_ptr<MapSession> next = reload_->take();
         if (!next)
@@ -169,6 +182,7 @@ void Daemon::go_on_reloading()
         reload_problems_.note(program::monotonic_us(), "not reloaded, the old map serves: %s",
                               error.what());
     }
+    manager.ready();
 }
 
 void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame,
@@ -180,6 +194,8 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     const vdna_status status = vdna_backbone_run(backbone_.get(), &frame.image, &error, &seen);
     if (stop)
         return; // cancelled: the frame is not at fault
+    network_runs_++;
+    network_answers_ += status == VDNA_OK || blames_picture(status);
 
     Stopwatch watch;
     std::optional<vdna_msg_localisation_t> answer =

@@ -20,6 +20,7 @@
 #include "selectord/map_session.hpp"
 #include "selectord/reports.hpp"
 #include "selectord/resident_memory.hpp"
+#include "selectord/service_manager.hpp"
 #include "selectord/stages.hpp"
 #include "selectord/waiting.hpp"
 
@@ -50,17 +51,20 @@ class Daemon
     // refused.
     void reload_when(std::atomic<bool> &requested, uint64_t held_bytes);
 
-    // Answer frames and commands until `stop`, or to the end of a log. Throws Error if the
-    // connection is lost, or if a log is damaged or no frame of it could be used.
-    void run(vdna_transport *transport, const std::atomic<bool> &stop);
+    // Answer frames and commands until `stop`, or to the end of a log, and tell `manager` about it.
+    // Throws Error if the connection is lost, or if a log is damaged or no frame of it could be
+    // used.
+    void run(vdna_transport *transport, const std::atomic<bool> &stop,
+             const ServiceManager &manager);
 
   private:
-    void beat(vdna_transport *transport);
+    void beat(vdna_transport *transport, const ServiceManager &manager);
+    bool network_makes_progress();
     void overhear(vdna_transport *transport);
     void end_log(vdna_transport *transport) const;
     Facts facts(vdna_transport *transport) const;
     void reset();
-    void go_on_reloading();
+    void go_on_reloading(const ServiceManager &manager);
     void answer(vdna_transport *transport, const vdna_transport_frame &frame,
                 const std::atomic<bool> &stop);
     // Nothing for a late frame.
@@ -91,6 +95,7 @@ class Daemon
     Verdict verdict_; // of the last beat
     std::optional<AnswerFile> answers_;
     Stages stages_;
+    uint32_t network_runs_ = 0, network_answers_ = 0; // since the last beat
     uint64_t refused_ = 0;
     std::array<char, sizeof(vdna_error::text)> refusal_{}; // why the newest of these was refused
     uint64_t localised_ = 0;

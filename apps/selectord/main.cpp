@@ -25,6 +25,7 @@
 #include "selectord/output.hpp"
 #include "selectord/processor.hpp"
 #include "selectord/resident_memory.hpp"
+#include "selectord/service_manager.hpp"
 #include "selectord/stop.hpp"
 
 namespace
@@ -105,6 +106,8 @@ program::ExitCode run(int argc, char **argv)
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
 
+    const ServiceManager manager(std::getenv("NOTIFY_SOCKET"));
+
     // The map.
     StartUp start_up;
     const ResidentMemory resident;
@@ -154,7 +157,7 @@ program::ExitCode run(int argc, char **argv)
     say_large_map(memory);
     say_ready(config, daemon.session().experiences(), backbone);
 
-    daemon.run(connection.get(), stop.requested());
+    daemon.run(connection.get(), stop.requested(), manager);
 
     // Everything closes itself in reverse order: connection, signals, selector, backbone, map.
     if (stop.requested())

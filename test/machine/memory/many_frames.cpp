@@ -90,7 +90,7 @@ void process(const char *map_directory, uint64_t frames)
     run.transport = connection.get();
     run.wanted = frames;
     send_frame();
-    daemon.run(connection.get(), run.stop);
+    daemon.run(connection.get(), run.stop, ServiceManager(nullptr));
 }
 
 } // namespace
