@@ -20,7 +20,7 @@ ROOMS = {
     "lib/identity": (3, ["lib/core", "lib/fail"]),
     "lib/picture": (3, ["lib/core", "lib/fail"]),
     "lib/replace": (3, ["lib/core", "lib/fail"]),
-    "lib/backbone": (4, ["lib/core", "lib/fail", "lib/identity", "lib/picture"]),
+    "lib/backbone": (4, ["lib/core", "lib/fail", "lib/health", "lib/identity", "lib/picture"]),
     "lib/map": (4, ["lib/core", "lib/fail", "lib/geodesy", "lib/identity", "lib/localise",
                     "lib/replace"]),
     "lib/select": (3, ["lib/core", "lib/localise"]),
@@ -43,7 +43,8 @@ ROOMS = {
                        "apps/simulate", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
                        "lib/geodesy", "lib/localise", "lib/transport"]),
     "apps/selectord": (11, ["apps/program", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
-                            "lib/geodesy", "lib/map", "lib/select", "lib/transport"]),
+                            "lib/geodesy", "lib/health", "lib/map", "lib/select",
+                            "lib/transport"]),
 }
 
 # The public headers of rooms whose name they do not bear.
