@@ -25,7 +25,7 @@ ROOMS = {
     "lib/map": (4, ["lib/checksum", "lib/core", "lib/fail", "lib/geodesy", "lib/identity", "lib/localise",
                     "lib/replace"]),
     "lib/select": (3, ["lib/core", "lib/localise"]),
-    "lib/transport": (3, ["lib/core", "lib/fail"]),
+    "lib/transport": (3, ["lib/checksum", "lib/core", "lib/fail"]),
     "lib/cpp": (5, ["lib/backbone", "lib/core", "lib/identity", "lib/localise", "lib/map",
                     "lib/select", "lib/transport"]),
     "apps/program": (6, ["lib/cpp", "lib/replace"]),
