@@ -1,5 +1,6 @@
 #include "read.h"
 
+#include <crc32c.h>
 #include <fail.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -7,7 +8,6 @@
 
 #include <vdna/int8.h>
 
-#include "crc32c.h"
 #include "layout.h"
 #include "position_frame.h"
 #include "rules.h"
