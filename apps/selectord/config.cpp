@@ -47,7 +47,7 @@ constexpr double budget_mb_max = 1u << 20;
 constexpr double nice_max = 19;
 constexpr double tolerance_max = 1e6;
 
-const std::array<Setting, 26> settings{{
+const std::array<Setting, 28> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max},
     {"backbone", "manifest", &Config::manifest, 1, path_max},
     {"backbone", "threads", &Config::threads, 1, threads_max},
@@ -61,6 +61,8 @@ const std::array<Setting, 26> settings{{
     {"localise", "filter", &Config::place_filter, 0, 0},
     {"localise", "min_confidence", &Config::min_confidence, 0, 1},
     {"localise", "tolerance", &Config::tolerance, 0, tolerance_max},
+    {"camera", "health", &Config::frame_health, 0, 0},
+    {"camera", "stale_seconds", &Config::stale_seconds, 0, warmup_seconds_max},
     {"lcm", "url", &Config::url, 0, path_max},
     {"lcm", "camera", &Config::camera_channel, 1, channel_max},
     {"lcm", "late_seconds", &Config::late_seconds, 0, warmup_seconds_max},
@@ -279,7 +281,7 @@ Config read_config(const std::string &path)
             fail(path, section.source().begin,
                  "unknown entry '" + std::string(section.str()) +
                      "', expected the sections [map], [backbone], [warmup], [select], [localise], "
-                     "[lcm], [memory] and [cpu]; correct or remove it");
+                     "[camera], [lcm], [memory] and [cpu]; correct or remove it");
         read_section(path, section, *node.as_table(), config);
     }
     settle_warmup(path, root, config);

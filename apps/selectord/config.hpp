@@ -32,8 +32,10 @@ struct Config {
     uint32_t top = 1;
     bool place_filter = true; // otherwise by the nearest frame alone
     double min_confidence = VDNA_LOCALISE_MIN_CONFIDENCE_DEFAULT; // below it an answer is UNSURE
-    double tolerance = 5; // metres, or place numbers: as far apart, frames are the same place
-    std::string url;      // "" = $LCM_DEFAULT_URL, else LCM's default
+    double tolerance = 5;     // metres, or place numbers: as far apart, frames are the same place
+    bool frame_health = true; // leave out pictures that show nothing, or nothing new
+    double stale_seconds = 0; // without a used frame, until STALE; 0 = 1 s and two frames' time
+    std::string url;          // "" = $LCM_DEFAULT_URL, else LCM's default
     std::string camera_channel = VDNA_CHANNEL_CAMERA;
     std::string command_channel = VDNA_CHANNEL_COMMAND;
     std::string ranking_channel = VDNA_CHANNEL_RANKING;

@@ -25,17 +25,39 @@ constexpr int32_t poll_ms = 50; // bounds the delay of a stop or a status withou
 constexpr uint32_t ranking_growth = 2;
 constexpr uint32_t message_size_min = 1 << 14;
 
+// Why a picture is left out.
+const char *sentence_of(uint32_t verdict)
+{
+    switch (verdict) {
+    case VDNA_HEALTH_TOO_SMALL:
+        return "the picture is too small to show anything";
+    case VDNA_HEALTH_SATURATED:
+        return "the picture is white: overexposed, or blinded by a light";
+    case VDNA_HEALTH_UNIFORM:
+        return "the picture shows one grey level: black, grey, or a covered lens";
+    case VDNA_HEALTH_NOISE:
+        return "the picture is noise";
+    case VDNA_HEALTH_SIZE_CHANGED:
+        return "the size of the pictures has just changed";
+    case VDNA_HEALTH_FROZEN:
+        return "the picture is the one before it, pixel by pixel: the camera is frozen";
+    default:
+        return "the picture came before, pixel by pixel: the camera repeats itself";
+    }
+}
+
 } // namespace
 
 Daemon::Daemon(const Config &config, std::unique_ptr<const Map> map, const Backbone &backbone,
                BackboneProcess *process)
     : config_(config), backbone_(backbone), process_(process),
-      is_replay_(vdna_transport_is_log(config.url.c_str()) != 0),
+      is_replay_(vdna_transport_is_log(config.url.c_str()) != 0), origin_(draw_origin()),
       session_(std::make_unique<MapSession>(config, std::move(map), backbone.info())),
       message_size_max_(std::max({ranking_growth * session_->ranking().encoded_size(),
                                   message_size_min, other_messages_size_max})),
       waiting_(config, is_replay_)
 {
+    vdna_health_init(&health_, nullptr); // cannot fail: the defaults are valid
 }
 
 size_t Daemon::size() const
@@ -160,6 +182,8 @@ void Daemon::end_log(vdna_transport *transport) const
 void Daemon::reset()
 {
     vdna_select_reset(session_->select());
+    vdna_health_init(&health_, nullptr); // what was seen may come again
+    degraded_[0] = '\0';
     resets_.note(program::monotonic_us(), "reset by command, warming up again");
 }
 
@@ -201,6 +225,8 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     std::optional<vdna_msg_localisation_t> answer =
         status == VDNA_OK ? use(transport, frame, seen, watch) : refuse(frame, error.text);
     unanswered_ += frame.skipped;
+    if (answer)
+        settle(*answer, status);
     if (!answer) {
         unanswered_++;
         return;
@@ -226,6 +252,10 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
                                                    const vdna_backbone_frame &seen,
                                                    Stopwatch &watch)
 {
+    if (const char *fault = fault_of(seen); fault[0] != '\0') {
+        unusable_++;
+        return refuse(frame, fault);
+    }
     const vdna_select_frame live{frame.utime, seen.taps, seen.tap_count,
                                  session_->embedding_of(seen)};
     vdna_select_answer found;
@@ -249,6 +279,54 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
     return place_of(found.match, frame.utime);
 }
 
+const char *Daemon::fault_of(const vdna_backbone_frame &seen)
+{
+    if (!config_.frame_health || seen.health.width == 0)
+        return "";
+    const uint32_t verdict = vdna_health_take(&health_, &seen.health);
+    const uint32_t degraded = vdna_health_degraded(&health_);
+    degraded_[0] = '\0';
+    if (degraded != VDNA_HEALTH_OK)
+        std::snprintf(degraded_.data(), degraded_.size(),
+                      "more than half of the camera's last pictures are unusable: %s",
+                      vdna_health_text(degraded));
+    return verdict == VDNA_HEALTH_OK ? "" : sentence_of(verdict);
+}
+
+void Daemon::settle(vdna_msg_localisation_t &answer, vdna_status network)
+{
+    network_failed_ = network != VDNA_OK && network != VDNA_ERR_FORMAT &&
+                      network != VDNA_ERR_UNSUPPORTED; // those two blame the picture
+    if (answer.validity == VDNA_MSG_LOCALISATION_T_REFUSED)
+        return;
+    used_us_ = program::monotonic_us();
+    validity_ = answer.validity;
+    if (degraded_[0] == '\0' || answer.validity == VDNA_MSG_LOCALISATION_T_WARMING_UP)
+        return;
+    answer.validity = VDNA_MSG_LOCALISATION_T_DEGRADED;
+    answer.reason = degraded_.data();
+}
+
+// Until a frame has been used there is no age: Waiting says why none comes.
+State Daemon::state() const
+{
+    const int64_t age_us = used_us_ == 0 ? -1 : program::monotonic_us() - used_us_;
+    const double stale_us = config_.stale_seconds > 0
+                                ? 1e6 * config_.stale_seconds
+                                : 1e6 + 2.0 * static_cast<double>(stages_.total.percentile_us(50));
+    if (network_failed_)
+        return {VDNA_MSG_STATUS_T_DEGRADED, refusal_.data(), age_us};
+    if (degraded_[0] != '\0')
+        return {VDNA_MSG_STATUS_T_DEGRADED, degraded_.data(), age_us};
+    if (static_cast<double>(age_us) > stale_us)
+        return {VDNA_MSG_STATUS_T_STALE,
+                "no frame has been used for longer than camera.stale_seconds", age_us};
+    if (vdna_select_state(session_->select()) == VDNA_SELECT_WARMUP)
+        return {VDNA_MSG_STATUS_T_WARMUP, "", age_us};
+    const bool is_unsure = validity_ == VDNA_MSG_LOCALISATION_T_UNSURE;
+    return {is_unsure ? VDNA_MSG_STATUS_T_UNSURE : VDNA_MSG_STATUS_T_VALID, "", age_us};
+}
+
 vdna_msg_localisation_t Daemon::place_of(const vdna_knn_match &match, int64_t utime) const
 {
     const std::vector<vdna_experience> &experiences = session_->experiences();
@@ -264,7 +342,7 @@ vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const 
     std::snprintf(refusal_.data(), refusal_.size(), "%s", reason);
     problems_.note(program::monotonic_us(), "frame of utime %" PRId64 " refused: %s", frame.utime,
                    reason);
-    return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_REFUSED);
+    return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_REFUSED, refusal_.data());
 }
 
 void Daemon::announce_choice(vdna_transport *transport)
@@ -294,17 +372,21 @@ const char *Daemon::problem() const
 
 void Daemon::publish_status(vdna_transport *transport)
 {
-    const Health health{*session_->select(),
-                        *vdna_transport_count(transport),
-                        session_->experiences(),
-                        backbone_.info(),
-                        stages_,
-                        session_->counts(),
-                        refused_,
-                        window_frames_max_,
-                        resident(),
-                        problem()};
-    const vdna_msg_status_t message = status_of(health, program::wall_us());
+    const StatusFacts now{origin_,
+                          session_->hash(),
+                          state(),
+                          *session_->select(),
+                          *vdna_transport_count(transport),
+                          session_->experiences(),
+                          backbone_.info(),
+                          stages_,
+                          session_->counts(),
+                          refused_,
+                          unusable_,
+                          window_frames_max_,
+                          resident(),
+                          problem()};
+    const vdna_msg_status_t message = status_of(now, program::wall_us());
     publish(transport, config_.status_channel, vdna_message_status, &message);
 }
 

@@ -10,6 +10,7 @@
 
 #include <vdna/cpp/backbone.hpp>
 #include <vdna/cpp/map.hpp>
+#include <vdna/health.h>
 #include <vdna/transport.h>
 
 #include "selectord/answer_file.hpp"
@@ -71,6 +72,11 @@ class Daemon
     std::optional<vdna_msg_localisation_t> use(vdna_transport *transport,
                                                const vdna_transport_frame &frame,
                                                const vdna_backbone_frame &seen, Stopwatch &watch);
+    // Judge the picture. Returns why it is left out; "" if it is not.
+    const char *fault_of(const vdna_backbone_frame &seen);
+    // Note how an answer went, and mark it if the camera is degraded.
+    void settle(vdna_msg_localisation_t &answer, vdna_status network);
+    State state() const;
     vdna_msg_localisation_t place_of(const vdna_knn_match &match, int64_t utime) const;
     vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason);
     void announce_choice(vdna_transport *transport);
@@ -85,6 +91,7 @@ class Daemon
     const Backbone &backbone_;
     BackboneProcess *const process_;
     const bool is_replay_; // frames come from a log, on which nothing can be sent
+    const Origin origin_;
     std::unique_ptr<MapSession> session_;
     const uint32_t message_size_max_;
     std::optional<MapReload> reload_;
@@ -96,7 +103,13 @@ class Daemon
     std::optional<AnswerFile> answers_;
     Stages stages_;
     uint32_t network_runs_ = 0, network_answers_ = 0; // since the last beat
-    uint64_t refused_ = 0;
+    vdna_health health_;
+    std::array<char, 96> degraded_{}; // why the camera is degraded; "" if it is not
+    bool network_failed_ = false;     // on the newest frame
+    int32_t validity_ =
+        VDNA_MSG_LOCALISATION_T_WARMING_UP; // of the newest answer that was no refusal
+    int64_t used_us_ = 0;                   // when the newest frame was used; 0 = none yet
+    uint64_t refused_ = 0, unusable_ = 0;
     std::array<char, sizeof(vdna_error::text)> refusal_{}; // why the newest of these was refused
     uint64_t localised_ = 0;
     uint64_t unanswered_ = 0; // frames skipped or late since the last answer

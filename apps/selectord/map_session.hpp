@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <vdna/cpp/experience_localiser.hpp>
@@ -28,6 +29,7 @@ class MapSession
     vdna_select *select() { return selector_.get(); }
     const vdna_select *select() const { return selector_.get(); }
     RankingReport &ranking() { return ranking_; }
+    const std::string &hash() const { return hash_; } // of the map
 
     // As Map::embedding_of(); valid until the next call.
     const float *embedding_of(const vdna_backbone_frame &seen)
@@ -56,7 +58,8 @@ class MapSession
                                                                          // if the filter is on
     Selector selector_;                                                  // borrows them
     std::vector<float> projected_; // room for a live frame's embedding
-    RankingReport ranking_;
+    const std::string hash_;
+    RankingReport ranking_; // borrows it
     FrameCounts counts_before_;
 };
 

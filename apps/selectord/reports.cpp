@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
+#include <random>
 
 #include <vdna/geodesy.h>
 #include <vdna/version.h>
@@ -24,13 +26,24 @@ char *borrow(const char *text)
 
 } // namespace
 
-RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone)
+Origin draw_origin()
+{
+    std::random_device random;
+    const uint64_t drawn = uint64_t{random()} << 32 | random();
+    Origin origin{static_cast<int64_t>(drawn), ""};
+    std::ifstream("/proc/sys/kernel/random/boot_id") >> origin.boot_id;
+    return origin;
+}
+
+RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone,
+                             const std::string &map_hash)
     : experiences_(map.experiences()), names_(experiences_.size()), distances_(experiences_.size()),
       tied_(experiences_.size()), recalls_(experiences_.size(), not_known)
 {
     message_.validity = VDNA_MSG_RANKING_T_VALID;
     message_.backbone = borrow(backbone.identity.backbone);
     message_.comparable = borrow(experiences_.front().comparable);
+    message_.map_hash = borrow(map_hash.c_str());
     message_.count = static_cast<int32_t>(experiences_.size());
     message_.experience = names_.data();
     message_.distance_bins = distances_.data();
@@ -61,11 +74,12 @@ const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select)
     return message_;
 }
 
-vdna_msg_localisation_t no_position(int64_t utime, int32_t validity)
+vdna_msg_localisation_t no_position(int64_t utime, int32_t validity, const char *reason)
 {
     vdna_msg_localisation_t message{};
     message.utime = utime;
     message.validity = validity;
+    message.reason = borrow(reason);
     message.experience = borrow("");
     message.position_frame = borrow("");
     message.frame = message.nearest_frame = -1;
@@ -151,17 +165,24 @@ vdna_msg_duration_t duration_of(const Durations &durations)
     return duration;
 }
 
-void fill_counters(const Health &health, vdna_msg_status_t &message)
+void fill_counters(const StatusFacts &facts, vdna_msg_status_t &message)
 {
-    const vdna_transport_counters &counters = health.transport;
+    const vdna_transport_counters &counters = facts.transport;
     message.received = static_cast<int64_t>(counters.received);
-    message.processed = static_cast<int64_t>(health.counts.accepted);
-    message.refused = static_cast<int64_t>(health.refused);
+    message.processed = static_cast<int64_t>(facts.counts.accepted);
+    message.refused = static_cast<int64_t>(facts.refused);
+    message.unusable = static_cast<int64_t>(facts.unusable);
     message.skipped = static_cast<int64_t>(counters.skipped);
     message.oversized = static_cast<int64_t>(counters.oversized);
-    message.late = static_cast<int64_t>(health.counts.late);
+    message.late = static_cast<int64_t>(facts.counts.late);
     message.rejected = static_cast<int64_t>(counters.rejected);
-    message.restarts = static_cast<int64_t>(health.counts.restarts);
+    message.lost = static_cast<int64_t>(counters.lost);
+    message.incomplete = static_cast<int64_t>(counters.incomplete);
+    message.dropped_datagrams = static_cast<int64_t>(counters.dropped_datagrams);
+    message.malformed_datagrams = static_cast<int64_t>(counters.malformed_datagrams);
+    message.repeated_datagrams = static_cast<int64_t>(counters.repeated_datagrams);
+    message.foreign_datagrams = static_cast<int64_t>(counters.foreign_datagrams);
+    message.restarts = static_cast<int64_t>(facts.counts.restarts);
 }
 
 void fill_stages(const Stages &stages, vdna_msg_status_t &message)
@@ -176,33 +197,38 @@ void fill_stages(const Stages &stages, vdna_msg_status_t &message)
     message.total_time = duration_of(stages.total);
 }
 
-void fill_memory(const Health &health, vdna_msg_status_t &message)
+void fill_memory(const StatusFacts &facts, vdna_msg_status_t &message)
 {
-    message.resident_bytes = health.resident.now;
-    message.resident_bytes_max = health.resident.most;
-    message.picture_bytes_max = static_cast<int64_t>(health.transport.picture_bytes_max);
-    message.window_frames_max = static_cast<int32_t>(health.window_frames_max);
-    message.backlog_max = static_cast<int32_t>(health.transport.backlog_max);
+    message.resident_bytes = facts.resident.now;
+    message.resident_bytes_max = facts.resident.most;
+    message.picture_bytes_max = static_cast<int64_t>(facts.transport.picture_bytes_max);
+    message.window_frames_max = static_cast<int32_t>(facts.window_frames_max);
+    message.backlog_max = static_cast<int32_t>(facts.transport.backlog_max);
 }
 
 } // namespace
 
-vdna_msg_status_t status_of(const Health &health, int64_t utime)
+vdna_msg_status_t status_of(const StatusFacts &facts, int64_t utime)
 {
-    const bool selected = vdna_select_state(&health.select) == VDNA_SELECT_SELECTED;
+    const bool selected = vdna_select_state(&facts.select) == VDNA_SELECT_SELECTED;
     vdna_msg_status_t message{};
     message.utime = utime;
-    message.state = selected ? VDNA_MSG_STATUS_T_SELECTED : VDNA_MSG_STATUS_T_WARMUP;
-    message.progress = vdna_select_progress(&health.select);
+    message.state = facts.state.state;
+    message.reason = borrow(facts.state.reason);
+    message.frame_age_us = facts.state.frame_age_us;
+    message.progress = vdna_select_progress(&facts.select);
     message.experience =
-        borrow(selected ? health.experiences[vdna_select_chosen(&health.select)].name : "");
-    message.experiences = static_cast<int32_t>(health.experiences.size());
-    message.backbone = borrow(health.backbone.identity.backbone);
+        borrow(selected ? facts.experiences[vdna_select_chosen(&facts.select)].name : "");
+    message.experiences = static_cast<int32_t>(facts.experiences.size());
+    message.map_hash = borrow(facts.map_hash.c_str());
+    message.instance = facts.origin.instance;
+    message.boot_id = borrow(facts.origin.boot_id.c_str());
+    message.backbone = borrow(facts.backbone.identity.backbone);
     message.version = borrow(vdna_version());
-    fill_counters(health, message);
-    fill_stages(health.stages, message);
-    fill_memory(health, message);
-    message.message = borrow(health.message);
+    fill_counters(facts, message);
+    fill_stages(facts.stages, message);
+    fill_memory(facts, message);
+    message.message = borrow(facts.message);
     return message;
 }
 

@@ -2,6 +2,7 @@
 // filling one allocates nothing.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <vdna_msg_localisation_t.h>
@@ -17,12 +18,21 @@
 namespace vdna::selectord
 {
 
+// What never changes while the daemon runs.
+struct Origin {
+    int64_t instance; // random
+    std::string boot_id;
+};
+
+// Draws the instance, and asks the system for the boot.
+Origin draw_origin();
+
 // The ranking message with room for all experiences of a map.
 class RankingReport
 {
   public:
-    // Borrows from both.
-    RankingReport(const Map &map, const vdna_backbone_info &backbone);
+    // Borrows from all.
+    RankingReport(const Map &map, const vdna_backbone_info &backbone, const std::string &map_hash);
 
     // Bytes of the message on the wire, for any order of the experiences.
     uint32_t encoded_size() const;
@@ -39,8 +49,8 @@ class RankingReport
     vdna_msg_ranking_t message_{};
 };
 
-// An answer without a position; `validity` is WARMING_UP or REFUSED.
-vdna_msg_localisation_t no_position(int64_t utime, int32_t validity);
+// An answer without a position; `validity` is WARMING_UP or REFUSED. Borrows the reason.
+vdna_msg_localisation_t no_position(int64_t utime, int32_t validity, const char *reason = "");
 
 // The nearest frame of an experience, which is VALID; borrows the texts from it.
 vdna_msg_localisation_t nearest_in(const vdna_experience &map, const vdna_knn_match &match,
@@ -57,15 +67,25 @@ struct FrameCounts {
     uint64_t restarts = 0; // warmups begun anew because of them
 };
 
+// What the daemon is worth now.
+struct State {
+    int32_t state; // VDNA_MSG_STATUS_T_...
+    const char *reason;
+    int64_t frame_age_us;
+};
+
 // The contents of a status message.
-struct Health {
+struct StatusFacts {
+    const Origin &origin;
+    const std::string &map_hash;
+    State state;
     const vdna_select &select;
     const vdna_transport_counters &transport;
     const std::vector<vdna_experience> &experiences;
     const vdna_backbone_info &backbone;
     const Stages &stages;
     FrameCounts counts;
-    uint64_t refused;
+    uint64_t refused, unusable;
     uint32_t window_frames_max;
     Resident resident;
     const char *message;
@@ -74,7 +94,7 @@ struct Health {
 // Upper bound for the wire size of a status or localisation, bytes.
 constexpr uint32_t other_messages_size_max = 2048;
 
-// Borrows its texts from `health`; `utime` is in microseconds since 1970.
-vdna_msg_status_t status_of(const Health &health, int64_t utime);
+// Borrows its texts from `facts`; `utime` is in microseconds since 1970.
+vdna_msg_status_t status_of(const StatusFacts &facts, int64_t utime);
 
 } // namespace vdna::selectord

@@ -44,20 +44,33 @@ const char *validity_of(const vdna_msg_localisation_t &message)
            : message.validity == VDNA_MSG_LOCALISATION_T_WARMING_UP ? "WARMING_UP"
            : message.validity == VDNA_MSG_LOCALISATION_T_REFUSED    ? "REFUSED"
            : message.validity == VDNA_MSG_LOCALISATION_T_UNSURE     ? "UNSURE"
+           : message.validity == VDNA_MSG_LOCALISATION_T_DEGRADED   ? "DEGRADED"
                                                                     : "UNKNOWN";
 }
 
 bool has_place(const vdna_msg_localisation_t &message)
 {
     return message.validity == VDNA_MSG_LOCALISATION_T_VALID ||
-           message.validity == VDNA_MSG_LOCALISATION_T_UNSURE;
+           message.validity == VDNA_MSG_LOCALISATION_T_UNSURE ||
+           message.validity == VDNA_MSG_LOCALISATION_T_DEGRADED;
 }
 
 const char *state_of(const vdna_msg_status_t &message)
 {
-    return message.state == VDNA_MSG_STATUS_T_WARMUP     ? "WARMUP"
-           : message.state == VDNA_MSG_STATUS_T_SELECTED ? "SELECTED"
-                                                         : "UNKNOWN";
+    switch (message.state) {
+    case VDNA_MSG_STATUS_T_WARMUP:
+        return "WARMUP";
+    case VDNA_MSG_STATUS_T_VALID:
+        return "VALID";
+    case VDNA_MSG_STATUS_T_UNSURE:
+        return "UNSURE";
+    case VDNA_MSG_STATUS_T_STALE:
+        return "STALE";
+    case VDNA_MSG_STATUS_T_DEGRADED:
+        return "DEGRADED";
+    default:
+        return "UNKNOWN";
+    }
 }
 
 double ms(int64_t us)
@@ -128,6 +141,8 @@ std::string text_of(const vdna_msg_localisation_t &message)
         if (message.has_position)
             text += ", position " + position_text(message);
     }
+    if (message.reason[0])
+        text += format(": %s", message.reason);
     return text + format(" (%.1f ms)", ms(message.latency_us));
 }
 
@@ -137,13 +152,14 @@ std::string text_of(const vdna_msg_status_t &message)
     const auto number = [](int64_t value) { return static_cast<long long>(value); };
     const auto mb = [](int64_t bytes) { return static_cast<double>(bytes) / 1e6; };
     std::string text = format(
-        "status       %s %.0f %%%s%s, received %lld, processed %lld, skipped %lld, refused %lld, "
+        "status       %s %.0f %%%s%s%s%s, received %lld, processed %lld, skipped %lld, refused "
+        "%lld, "
         "oversized %lld, late %lld, rejected %lld, %.0f MB, at most %.0f MB",
         state_of(message), 100 * message.progress, message.experience[0] ? " " : "",
-        message.experience, number(message.received), number(message.processed),
-        number(message.skipped), number(message.refused), number(message.oversized),
-        number(message.late), number(message.rejected), mb(message.resident_bytes),
-        mb(message.resident_bytes_max));
+        message.experience, message.reason[0] ? ": " : "", message.reason, number(message.received),
+        number(message.processed), number(message.skipped), number(message.refused),
+        number(message.oversized), number(message.late), number(message.rejected),
+        mb(message.resident_bytes), mb(message.resident_bytes_max));
     if (message.processed > 0) {
         text += "\n             ms, median/99th percentile/longest:";
         for (const auto &[name, stage] : stages_of(message))
@@ -170,6 +186,7 @@ nlohmann::ordered_json json_of(const vdna_msg_ranking_t &message)
             {"validity", validity_of(message)},
             {"backbone", message.backbone},
             {"comparable", message.comparable},
+            {"map_hash", message.map_hash},
             {"margin_bins", message.margin_bins},
             {"ranking", entries}};
 }
@@ -179,6 +196,7 @@ nlohmann::ordered_json json_of(const vdna_msg_localisation_t &message)
     nlohmann::ordered_json json{{"type", "localisation"},
                                 {"utime", message.utime},
                                 {"validity", validity_of(message)},
+                                {"reason", message.reason},
                                 {"experience", nullptr},
                                 {"frame", nullptr},
                                 {"frame_utime", nullptr},
@@ -214,18 +232,30 @@ nlohmann::ordered_json json_of(const vdna_msg_status_t &message)
     nlohmann::ordered_json json{{"type", "status"},
                                 {"utime", message.utime},
                                 {"state", state_of(message)},
+                                {"reason", message.reason},
+                                {"frame_age_us", message.frame_age_us},
                                 {"progress", message.progress},
                                 {"experience", message.experience},
                                 {"experiences", message.experiences},
+                                {"map_hash", message.map_hash},
+                                {"instance", message.instance},
+                                {"boot_id", message.boot_id},
                                 {"backbone", message.backbone},
                                 {"version", message.version},
                                 {"received", message.received},
                                 {"processed", message.processed},
                                 {"refused", message.refused},
+                                {"unusable", message.unusable},
                                 {"skipped", message.skipped},
                                 {"oversized", message.oversized},
                                 {"late", message.late},
                                 {"rejected", message.rejected},
+                                {"lost", message.lost},
+                                {"incomplete", message.incomplete},
+                                {"dropped_datagrams", message.dropped_datagrams},
+                                {"malformed_datagrams", message.malformed_datagrams},
+                                {"repeated_datagrams", message.repeated_datagrams},
+                                {"foreign_datagrams", message.foreign_datagrams},
                                 {"restarts", message.restarts}};
     for (const auto &[name, duration] : stages_of(message))
         json[name] = json_of(*duration);

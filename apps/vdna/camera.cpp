@@ -29,6 +29,7 @@ struct CameraOptions {
     std::string url;
     uint64_t frames = std::numeric_limits<uint64_t>::max(); // maximum to send
     bool reconnect = false;
+    bool unprotected = false;
 };
 
 // What was sent, over all connections to the camera.
@@ -130,7 +131,7 @@ void send_camera(CameraOptions options)
         options.settings.width = size.width;
         options.settings.height = size.height;
     }
-    CameraChannel channel(options.url, options.channel);
+    CameraChannel channel(options.url, options.channel, !options.unprotected);
     Tally tally;
     try {
         (options.reconnect ? run_and_reconnect : run)(options, channel, tally);
@@ -184,6 +185,9 @@ void add_camera(CLI::App &app)
         ->add_option("-l,--lcm-url", options->url,
                      "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
         ->type_name("URL");
+    command->add_flag("--unprotected", options->unprotected,
+                      "leave out the number and checksum by which a receiver tells lost, repeated "
+                      "and corrupted frames");
     command->footer(
         "A V4L2 camera's pictures are sent as they are, stamped by its driver; those of a stream "
         "as BGR pixels, stamped when they arrive; a video's at the pace of its own times. Ends at "

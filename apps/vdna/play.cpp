@@ -23,6 +23,7 @@ struct PlayOptions {
     bool loop = false;
     std::string stamp = "now";
     std::string url;
+    bool unprotected = false;
 };
 
 // A regular beat for sending frames; a late beat does not delay later ones.
@@ -73,7 +74,7 @@ uint64_t play_once(CameraChannel &channel, const PlayOptions &options, uint64_t 
 
 void play(const PlayOptions &options)
 {
-    CameraChannel channel(options.url, options.reading.camera);
+    CameraChannel channel(options.url, options.reading.camera, !options.unprotected);
     Beat beat(options.reading.rate_hz);
     uint64_t sent = 0;
     do {
@@ -115,6 +116,9 @@ void add_play(CLI::App &app)
         ->add_option("-l,--lcm-url", options->url,
                      "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
         ->type_name("URL");
+    command->add_flag("--unprotected", options->unprotected,
+                      "leave out the number and checksum by which a receiver tells lost, repeated "
+                      "and corrupted frames");
     command->footer(
         "JPEG files are sent as they are, other pictures as BGR pixels, turned upright.");
     command->callback([options] {

@@ -237,6 +237,8 @@ vdna_status run_onnx(void *state, const vdna_image *image, vdna_error *error,
         const auto begin = Clock::now();
         const vdna_pixels pixels = backbone.decoder.decode(*image);
         const float grey = picture::mean_grey(pixels);
+        vdna_health_picture health{};
+        vdna_health_measure(&pixels, &health); // cannot fail: a decoded picture has pixels
         const auto decoded = Clock::now();
         backbone.preprocessor.run(pixels, backbone.session.input());
         const auto resized = Clock::now();
@@ -253,7 +255,8 @@ vdna_status run_onnx(void *state, const vdna_image *image, vdna_error *error,
                       elapsed_us(decoded, resized),
                       elapsed_us(resized, inferred),
                       backbone.info.last_layer_dim,
-                      backbone.session.last_layer().values};
+                      backbone.session.last_layer().values,
+                      health};
     });
 }
 

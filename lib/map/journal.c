@@ -1,5 +1,6 @@
 #include "journal.h"
 
+#include <crc32c.h>
 #include <errno.h>
 #include <fail.h>
 #include <fcntl.h>
@@ -9,7 +10,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "crc32c.h"
 #include "replace/replace.h"
 
 /* First line of the text. A name a line follows, and the CRC-32C of all that. */

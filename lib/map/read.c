@@ -1,5 +1,6 @@
 #include "read.h"
 
+#include <crc32c.h>
 #include <fail.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -7,7 +8,6 @@
 
 #include <vdna/int8.h>
 
-#include "crc32c.h"
 #include "layout.h"
 #include "position_frame.h"
 #include "rules.h"
@@ -72,7 +72,8 @@ uint32_t vdna_read_checksum(const unsigned char *bytes, size_t size, const vdna_
 }
 
 static vdna_status check_checksum(const unsigned char *bytes, size_t size,
-                                  const vdna_header *header, vdna_error *reason)
+                                  const vdna_header *header, vdna_error *reason,
+                                  uint32_t *out_checksum)
 {
     const vdna_field field = {VDNA_CRC_TENSOR, "U32", 4, 0, 1, 0, NULL};
     const vdna_tensor *tensor = vdna_header_tensor(header, field.name);
@@ -90,6 +91,7 @@ static vdna_status check_checksum(const unsigned char *bytes, size_t size,
                          "the bytes have CRC-32C %08" PRIx32 ", expected %08" PRIx32
                          ": the file is damaged",
                          found, written);
+    *out_checksum = found;
     return VDNA_OK;
 }
 
@@ -310,7 +312,7 @@ vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reaso
     if (status == VDNA_OK)
         status = check_version(&header, reason);
     if (status == VDNA_OK)
-        status = check_checksum(bytes, size, &header, reason);
+        status = check_checksum(bytes, size, &header, reason, &e.checksum);
     if (status == VDNA_OK)
         status = read_texts(&header, reason, &e);
     if (status == VDNA_OK)

@@ -1,13 +1,13 @@
 #include "write.h"
 
 #include <assert.h>
+#include <crc32c.h>
 #include <fail.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "crc32c.h"
 #include "journal.h"
 #include "layout.h"
 #include "position_frame.h"

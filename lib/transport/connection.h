@@ -4,6 +4,7 @@
 
 #include "multicast.h"
 #include "network.h"
+#include "streams.h"
 
 /* Senders whose newest frames are kept apart, so that none drowns another: the one that has been
  * there longest, and all others together. */
@@ -23,6 +24,8 @@ struct vdna_transport {
     vdna_multicast *receiver; /* NULL = messages come through LCM */
     channel_name camera, command;
     vdna_transport_counters counters;
+    bool require_protection;
+    vdna_streams streams;
 
     /* Results of the current poll. */
     uint32_t events;

@@ -3,13 +3,13 @@
 #include <vdna/transport.h>
 
 #include "cursor.h"
+#include "protection.h"
 
-/* see vdna/transport.h */
-vdna_status vdna_transport_parse_image(const void *data, size_t size,
-                                       vdna_transport_frame *out_frame)
+/* see protection.h */
+vdna_status vdna_protection_parse_image(const void *data, size_t size,
+                                        vdna_transport_frame *out_frame,
+                                        vdna_protection *out_protection)
 {
-    if (!out_frame)
-        return VDNA_ERR_ARG;
     const vdna_status status = vdna_transport_check(&vdna_message_image, data, size);
     if (status != VDNA_OK)
         return status;
@@ -28,6 +28,19 @@ vdna_status vdna_transport_parse_image(const void *data, size_t size,
      * picture decoder happens to know. */
     if (c.broken || frame.image.pixelformat == VDNA_PIXEL_ENCODED)
         return VDNA_ERR_FORMAT;
+    *out_protection = vdna_protection_read(data, size, frame.image.size);
+    if (out_protection->state == VDNA_PROTECTION_FALSE)
+        return VDNA_ERR_FORMAT;
     *out_frame = frame;
     return VDNA_OK;
+}
+
+/* see vdna/transport.h */
+vdna_status vdna_transport_parse_image(const void *data, size_t size,
+                                       vdna_transport_frame *out_frame)
+{
+    vdna_protection protection;
+    if (!out_frame)
+        return VDNA_ERR_ARG;
+    return vdna_protection_parse_image(data, size, out_frame, &protection);
 }

@@ -4,6 +4,7 @@
 #include <vdna_messages.h>
 
 #include "connection.h"
+#include "protection.h"
 
 /* see connection.h */
 vdna_status vdna_transport_reserve(vdna_transport *transport, size_t size)
@@ -76,14 +77,10 @@ static bool is_complete(const vdna_message_type *type, const char *message)
     return true;
 }
 
-/* see vdna/transport.h */
-vdna_status vdna_transport_publish(vdna_transport *transport, const char *channel,
-                                   const vdna_message_type *type, const void *message)
+/* Encode a message into transport->message. */
+static vdna_status encode(vdna_transport *transport, const vdna_message_type *type,
+                          const void *message, int32_t *out_size)
 {
-    if (!transport || vdna_transport_check_channel(channel, NULL) != VDNA_OK || !type || !message ||
-        !is_complete(type, message))
-        return VDNA_ERR_ARG;
-
     const int32_t size = type->encoded_size(message);
     if (size < 0)
         return VDNA_ERR_ARG;
@@ -92,11 +89,37 @@ vdna_status vdna_transport_publish(vdna_transport *transport, const char *channe
         return status;
     if (type->encode(message, transport->message, size) != size)
         return VDNA_ERR_ARG;
+    *out_size = size;
+    return VDNA_OK;
+}
+
+/* Send the first bytes of transport->message. */
+static vdna_status send_encoded(vdna_transport *transport, const char *channel, int32_t size)
+{
     if (transport->network.log)
         return VDNA_ERR_IO;
     if (lcm_publish(transport->network.lcm, channel, transport->message, (unsigned)size) != 0)
         return VDNA_ERR_IO;
     return VDNA_OK;
+}
+
+static bool is_channel(const char *name)
+{
+    return vdna_transport_check_channel(name, NULL) == VDNA_OK;
+}
+
+/* see vdna/transport.h */
+vdna_status vdna_transport_publish(vdna_transport *transport, const char *channel,
+                                   const vdna_message_type *type, const void *message)
+{
+    if (!transport || !is_channel(channel) || !type || !message || !is_complete(type, message))
+        return VDNA_ERR_ARG;
+
+    int32_t size;
+    const vdna_status status = encode(transport, type, message, &size);
+    if (status != VDNA_OK)
+        return status;
+    return send_encoded(transport, channel, size);
 }
 
 /* Whether the picture's numbers fit the message's signed 32-bit members. */
@@ -107,14 +130,9 @@ static bool is_sendable(const vdna_image *image)
            image->pixelformat != VDNA_PIXEL_ENCODED;
 }
 
-/* see vdna/transport.h */
-vdna_status vdna_transport_publish_image(vdna_transport *transport, const char *channel,
-                                         int64_t utime, const vdna_image *image)
+static bot_core_image_t message_of(int64_t utime, const vdna_image *image)
 {
-    if (!image || !is_sendable(image))
-        return VDNA_ERR_ARG;
-
-    const bot_core_image_t message = {
+    return (bot_core_image_t){
         .utime = utime,
         .width = (int32_t)image->width,
         .height = (int32_t)image->height,
@@ -123,5 +141,41 @@ vdna_status vdna_transport_publish_image(vdna_transport *transport, const char *
         .size = (int32_t)image->size,
         .data = (uint8_t *)image->data, /* the encoder only reads it */
     };
+}
+
+/* see vdna/transport.h */
+vdna_status vdna_transport_publish_image(vdna_transport *transport, const char *channel,
+                                         int64_t utime, const vdna_image *image)
+{
+    if (!image || !is_sendable(image))
+        return VDNA_ERR_ARG;
+
+    const bot_core_image_t message = message_of(utime, image);
     return vdna_transport_publish(transport, channel, &vdna_message_image, &message);
+}
+
+/* see vdna/transport.h */
+vdna_status vdna_transport_publish_protected_image(vdna_transport *transport, const char *channel,
+                                                   int64_t utime, const vdna_image *image,
+                                                   vdna_transport_stream *stream)
+{
+    if (!transport || !is_channel(channel) || !image || !is_sendable(image) || !stream)
+        return VDNA_ERR_ARG;
+
+    uint8_t value[VDNA_PROTECTION_BYTES];
+    vdna_protection_begin(stream, value);
+    bot_core_image_metadata_t entry = {VDNA_PROTECTION_KEY, sizeof value, value};
+    bot_core_image_t message = message_of(utime, image);
+    message.nmetadata = 1;
+    message.metadata = &entry;
+
+    int32_t size;
+    const vdna_status status = encode(transport, &vdna_message_image, &message, &size);
+    if (status == VDNA_ERR_ARG)
+        return status;
+    stream->sequence++;
+    if (status != VDNA_OK)
+        return status;
+    vdna_protection_finish(transport->message, (size_t)size, image->size);
+    return send_encoded(transport, channel, size);
 }

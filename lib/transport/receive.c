@@ -4,6 +4,7 @@
 
 #include "connection.h"
 #include "cursor.h"
+#include "protection.h"
 
 /* Far more than VDNA_TRANSPORT_QUEUE for each channel: a backlog is always taken whole, yet a flood
  * cannot trap one poll. */
@@ -88,14 +89,34 @@ static void keep_image(vdna_transport *transport, vdna_transport_lane *lane,
     }
 }
 
+/* Read a camera message. Returns false, and counts why, if its frame is not to be used. */
+static bool admit_image(vdna_transport *transport, const vdna_transport_incoming *message,
+                        vdna_transport_frame *out_frame)
+{
+    vdna_transport_counters *counters = &transport->counters;
+    vdna_protection protection = {.state = VDNA_PROTECTION_NONE};
+    const vdna_status status =
+        vdna_protection_parse_image(message->data, message->size, out_frame, &protection);
+    if (protection.state == VDNA_PROTECTION_FALSE)
+        counters->corrupted_frames++;
+    if (status != VDNA_OK) {
+        reject_image(transport, message);
+        return false;
+    }
+    if (protection.state == VDNA_PROTECTION_GOOD)
+        return vdna_streams_take(&transport->streams, &protection.stream, counters);
+    counters->unprotected_frames++;
+    if (transport->require_protection)
+        reject_image(transport, message);
+    return !transport->require_protection;
+}
+
 static void take_image(vdna_transport *transport, const vdna_transport_incoming *message)
 {
     vdna_transport_frame frame;
     transport->arrived++;
-    if (vdna_transport_parse_image(message->data, message->size, &frame) != VDNA_OK) {
-        reject_image(transport, message);
+    if (!admit_image(transport, message, &frame))
         return;
-    }
     note_size(transport, frame.image.size);
     if (frame.image.size > transport->picture_max) {
         pass_over_image(transport, frame.image.size);
@@ -137,8 +158,11 @@ static void take_command(vdna_transport *transport, const vdna_transport_incomin
 
     cursor c = cursor_begin(message->data, message->size, vdna_message_command.fingerprint);
     cursor_int64(&c); /* utime */
-    if (cursor_unsigned(&c, sizeof(int32_t)) == VDNA_MSG_COMMAND_T_RESET)
+    if (cursor_unsigned(&c, sizeof(int32_t)) == VDNA_MSG_COMMAND_T_RESET) {
         transport->events |= VDNA_TRANSPORT_RESET;
+        /* So that a recording can be sent again. */
+        transport->streams.count = 0;
+    }
     transport->counters.commands++;
 }
 

@@ -60,6 +60,10 @@ static vdna_status read_config(const vdna_transport_config *given, vdna_error *e
             error, VDNA_ERR_ARG,
             "transport: max_message_bytes is %u, expected 0..%u, LCM's largest message",
             config->max_message_bytes, VDNA_MESSAGE_BYTES_MAX);
+    if (config->require_protection > 1)
+        return vdna_fail(error, VDNA_ERR_ARG,
+                         "transport: require_protection is %u, expected 0 or 1",
+                         config->require_protection);
     return check_sources(config, error);
 }
 
@@ -171,6 +175,7 @@ vdna_status vdna_transport_open(const vdna_transport_config *config, vdna_error 
         return vdna_fail(error, VDNA_ERR_NOMEM, "transport: no memory left");
 
     transport->picture_max = known.max_image_bytes;
+    transport->require_protection = known.require_protection != 0;
     transport->lent_slot = VDNA_REASSEMBLY_SLOTS;
     status = keep_channel(transport->camera, known.camera_channel, error);
     if (status == VDNA_OK)

@@ -2,6 +2,7 @@
 
 VDNA_BIN is the folder of vdna and vdna_selectord.
 """
+import contextlib
 import io
 import json
 import os
@@ -314,8 +315,39 @@ def lcm_log(path, events):
     return path
 
 
+@contextlib.contextmanager
+def logger(path):
+    """lcm-logger, which records the camera's channel; it listens once this is entered."""
+    with contextlib.suppress(FileNotFoundError):
+        os.unlink(path)
+    # By its path: the lcm-logger of `pip install lcm` is a script, which leaves its child behind.
+    process = subprocess.Popen([os.environ["VDNA_LCM_LOGGER"], "--channel=CAMERA", "--force", path],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        deadline = time.monotonic() + PATIENCE
+        while not joins_multicast(process.pid) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        yield
+        process.send_signal(signal.SIGINT)
+        process.wait(PATIENCE)
+    finally:
+        process.kill()
+        process.wait()
+
+
+def joins_multicast(pid):
+    """True if a process has a UDP socket at LCM's port."""
+    with open("/proc/net/udp", encoding="ascii") as file:
+        sockets = {line.split()[9] for line in file if ":1DF3 " in line}  # 7667
+    try:
+        files = [os.readlink(f"/proc/{pid}/fd/{name}") for name in os.listdir(f"/proc/{pid}/fd")]
+    except FileNotFoundError:
+        return False
+    return any(f"socket:[{inode}]" in files for inode in sockets)
+
+
 def localisation_message(utime):
     """A vdna_msg.localisation_t that says WARMING_UP."""
-    fingerprint = 0x40D2402D2F35D5B1
-    return struct.pack(">QqiI1siqbqbI1s3ddbiddqq", fingerprint, utime, 1, 1, b"\0", -1, 0, 0, 0, 0,
+    fingerprint = 0x86E0D73A7AD1D41B
+    return struct.pack(">QqiI1sI1siqbqbI1s3ddbiddqq", fingerprint, utime, 1, 1, b"\0", 1, b"\0", -1, 0, 0, 0, 0,
                        1, b"\0", 0, 0, 0, 0, 0, -1, 0, 0, 0, 0)

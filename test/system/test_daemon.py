@@ -43,10 +43,14 @@ def prepare():
     os.rename(LIVE + ".part", LIVE)
 
 
-def first_picture():
-    name = sorted(name for name in os.listdir(LIVE) if name.endswith(".jpg"))[0]
-    with open(os.path.join(LIVE, name), "rb") as file:
-        return file.read()
+def pictures():
+    """Those of the map's drives, again and again; a camera that repeats itself sooner is refused."""
+    while True:
+        for condition in CONDITIONS:
+            yield from jpegs_in(os.path.join(WORK, condition))
+
+
+PICTURES = pictures()
 
 
 def has_answered(frames):
@@ -118,7 +122,7 @@ class Network(WithConfiguration):
             watch.wait_for("status", lambda status: status["state"] == "WARMUP")
             vdna("play", LIVE, "--frames", 12)
             watch.wait_for("ranking")
-            watch.wait_for("status", lambda status: status["state"] == "SELECTED")
+            watch.wait_for("status", lambda status: status["state"] in ("VALID", "UNSURE"))
         self.assertEqual(len(watch.of("ranking")), 2)
         self.assertTrue(any("reset" in line for line in daemon.log), daemon.log)
 
@@ -141,13 +145,13 @@ class Network(WithConfiguration):
             for message in malformed:
                 camera.send(message)
             watch.wait_for("status", lambda status: status["rejected"] == len(malformed))
-            camera.send_jpeg(5, first_picture())
+            camera.send_jpeg(5, next(PICTURES))
             self.assertEqual(watch.wait_for("localisation")["utime"], 5)
             self.assertTrue(daemon.is_running())
         self.assertEqual(watch.of("status")[-1]["received"], 0)
 
     def test_a_picture_that_cannot_be_decoded_is_answered_refused(self):
-        picture = first_picture()
+        picture = next(PICTURES)
         with Watch() as watch, Camera() as camera, \
                 Selectord("--map", MAP, "--warmup-frames", 4) as daemon:
             for utime, data in enumerate([b"\xff\xd8\xffnot a picture", b"", picture[:200]]):
@@ -165,7 +169,7 @@ class Network(WithConfiguration):
     def test_time_that_runs_backwards_begins_the_warmup_anew(self):
         with Watch() as watch, Camera() as camera, Selectord("--map", MAP, "--warmup-frames", 3):
             for tenths in (100, 101, 50, 51, 52):
-                camera.send_jpeg(tenths * 100000, first_picture())
+                camera.send_jpeg(tenths * 100000, next(PICTURES))
                 watch.wait_for("localisation")
             status = watch.wait_for("status", has_answered(5))
         self.assertEqual(status["restarts"], 1)
@@ -196,10 +200,10 @@ class Network(WithConfiguration):
                 if utime % 10 == 3:
                     camera.send_jpeg(utime, b"x" * 40001)
                 else:
-                    camera.send_jpeg(utime, first_picture() if utime % 10 else b"no JPEG")
+                    camera.send_jpeg(utime, next(PICTURES) if utime % 10 else b"no JPEG")
                 time.sleep(0.002)  # faster than any network
             watch.wait_for("status", has_answered(sent))
-            camera.send_jpeg(sent, first_picture())
+            camera.send_jpeg(sent, next(PICTURES))
             last = watch.wait_for("localisation", lambda answer: answer["utime"] == sent)
             status = watch.wait_for("status", has_answered(sent + 1))
         answers = watch.of("localisation")
@@ -214,10 +218,51 @@ class Network(WithConfiguration):
         self.assertEqual(status["picture_bytes_max"], 40001)
         self.assertGreater(status["backlog_max"], 1)
 
+    def test_a_frozen_camera_is_degraded_and_a_silent_one_stale(self):
+        quick = self.configure("[camera]\nstale_seconds = 1.5\n")
+        with Watch() as watch, Camera() as camera, \
+                Selectord("--map", MAP, "--warmup-frames", 4, "-c", quick):
+            for utime in range(8):
+                camera.send_jpeg(utime * 100000, next(PICTURES))
+                answer = watch.wait_for("localisation")
+            self.assertIn(answer["validity"], ("VALID", "UNSURE"))
+            frozen = next(PICTURES)
+            for utime in range(8, 30):
+                camera.send_jpeg(utime * 100000, frozen)
+                answer = watch.wait_for("localisation")
+            self.assertEqual(answer["validity"], "REFUSED")
+            self.assertIn("the camera is frozen", answer["reason"])
+            camera.send_jpeg(3000000, next(PICTURES))
+            answer = watch.wait_for("localisation")
+            self.assertEqual(answer["validity"], "DEGRADED")
+            self.assertIn("frozen", answer["reason"])
+            self.assertIsNotNone(answer["frame"])
+            status = watch.wait_for("status", lambda status: status["state"] == "DEGRADED")
+            self.assertEqual(status["unusable"], 21)
+            for utime in range(31, 60):  # it recovers without a new warmup
+                camera.send_jpeg(utime * 100000, next(PICTURES))
+                answer = watch.wait_for("localisation")
+            self.assertIn(answer["validity"], ("VALID", "UNSURE"))
+            stale = watch.wait_for("status", lambda status: status["state"] == "STALE")
+            self.assertGreater(stale["frame_age_us"], 1500000)
+            self.assertIn("stale_seconds", stale["reason"])
+            camera.send_jpeg(6000000, next(PICTURES))
+            watch.wait_for("status", lambda status: status["state"] in ("VALID", "UNSURE"))
+        self.assertEqual(len(watch.of("ranking")), 1)
+
+    def test_two_daemons_of_one_map_have_its_hash_and_differ(self):
+        said = []
+        for _ in range(2):
+            with Watch() as watch, Selectord("--map", MAP):
+                said.append(watch.wait_for("status"))
+        self.assertEqual(said[0]["map_hash"], said[1]["map_hash"])
+        self.assertEqual(said[0]["boot_id"], said[1]["boot_id"])
+        self.assertNotEqual(said[0]["instance"], said[1]["instance"])
+
     def test_the_status_tells_how_long_the_stages_take(self):
         with Watch() as watch, Camera() as camera, Selectord("--map", MAP, "--warmup-frames", 3):
             for utime in range(8):
-                camera.send_jpeg(utime, first_picture())
+                camera.send_jpeg(utime, next(PICTURES))
                 watch.wait_for("localisation")
             status = watch.wait_for("status", has_answered(8))
         self.assertEqual(status["window_frames_max"], 3)
@@ -237,7 +282,9 @@ class Network(WithConfiguration):
         self.assertLessEqual(parts, status["total"]["newest_us"])
 
     def test_memory_stays_flat_while_frames_come(self):
-        with Watch() as watch, Selectord("--map", MAP, "--warmup-frames", 4):
+        # The drive comes again and again, which a camera's pictures do not.
+        repeated = self.configure("[camera]\nhealth = false\n")
+        with Watch() as watch, Selectord("--map", MAP, "--warmup-frames", 4, "-c", repeated):
             sender = subprocess.Popen([os.path.join(BIN, "vdna"), "play", LIVE, "--rate", "100",
                                        "--loop"], stdout=subprocess.DEVNULL)
             try:
@@ -341,9 +388,8 @@ class Waiting(WithConfiguration):
         self.assertIn("no message on CAMERA for ", said)
 
     def test_pictures_on_another_channel(self):
-        picture = first_picture()
         said = self.assert_said("CAMERA_FRONT carries bot_core.image_t at ",
-                                [Sender("CAMERA_FRONT", lambda n: image_message(n, picture)),
+                                [Sender("CAMERA_FRONT", lambda n: image_message(n, next(PICTURES))),
                                  Sender("POSE", lambda n: b"whatever comes")])
         self.assertIn("no message on CAMERA for ", said)
         self.assertIn("set [lcm] camera", said)
@@ -375,21 +421,18 @@ class Waiting(WithConfiguration):
                          [Sender("CAMERA", lambda n: image_message(n, b"no JPEG"))])
 
     def test_a_warmup_that_begins_anew_with_every_other_frame(self):
-        picture = first_picture()
         self.assert_said("the warmup began anew ",
-                         [Sender("CAMERA", lambda n: image_message(n % 2 * 10**7 - n * 2 * 10**6, picture))])
+                         [Sender("CAMERA", lambda n: image_message(n % 2 * 10**7 - n * 2 * 10**6, next(PICTURES)))])
 
     def test_camera_time_that_stands_still(self):
-        picture = first_picture()
         for options in (["--warmup-seconds", 2], ["--warmup-frames", 3]):
             self.assert_said("camera time has not moved for ",
-                             [Sender("CAMERA", lambda n: image_message(0, picture))], *options)
+                             [Sender("CAMERA", lambda n: image_message(0, next(PICTURES)))], *options)
 
     def test_it_goes_on_when_the_frames_come(self):
-        picture = first_picture()
         with Watch() as watch, Selectord("--map", MAP, "--warmup-frames", 3):
             watch.wait_for("status", lambda status: status["message"], 10)
-            with Sender("CAMERA", lambda n: image_message(n * 100000, picture)):
+            with Sender("CAMERA", lambda n: image_message(n * 100000, next(PICTURES))):
                 watch.wait_for("ranking", seconds=10)
                 watch.wait_for("status", lambda status: not status["message"], 10)
 
@@ -520,7 +563,7 @@ class Replay(unittest.TestCase):
         with Watch() as watch, Camera() as camera, \
                 Selectord("--map", MAP, "--warmup-frames", 3, "--answers", self.answers) as daemon:
             for utime in range(5):
-                camera.send_jpeg(utime, first_picture())
+                camera.send_jpeg(utime, next(PICTURES))
                 watch.wait_for("localisation")
             watch.wait_for("status", has_answered(5))
             daemon.stop()
@@ -533,7 +576,7 @@ class Replay(unittest.TestCase):
         with Watch() as watch, Camera() as camera, \
                 Selectord("--map", MAP, "--answers", "/dev/full") as daemon:
             watch.wait_for("status")
-            camera.send_jpeg(1, first_picture())
+            camera.send_jpeg(1, next(PICTURES))
             watch.wait_for("localisation")
         self.assertTrue(any("No space left" in line and "not kept" in line for line in daemon.log),
                         daemon.log)
@@ -584,7 +627,8 @@ class CommandLine(WithConfiguration):
         self.assert_refused("[warmup]\nframes = 'many'\n", "2:10", "'many'", "an integer")
         self.assert_refused("[warmup]\nframes = 0\n", "2:10", "is 0", "from 1")
         self.assert_refused("[warmup]\nframes = 5\nseconds = 1.5\n", "3:11", "both")
-        self.assert_refused("[camera]\n", "1:2", "'camera'", "[lcm]")
+        self.assert_refused("[kamera]\n", "1:2", "'kamera'", "[camera]")
+        self.assert_refused("[camera]\nstale_seconds = -1\n", "2:17", "is -1", "from 0.0")
         self.assert_refused("[lcm]\ncamera = ''\n", "2:10", "1 to 63 bytes")
         self.assert_refused("[lcm\n", "1:5", "TOML")
         self.assert_refused("[memory]\nlock = 1\n", "2:8", "is 1", "true or false")

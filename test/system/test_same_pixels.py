@@ -5,20 +5,17 @@ a palette.
 The network is that of test/support, whose activations are the pixels themselves: its neurons are
 the left and the right half of a picture, so a rotated picture would give other activations.
 """
-import contextlib
 import functools
 import hashlib
 import json
 import os
 import shutil
-import signal
 import struct
 import subprocess
-import time
 import zlib
 
 import own_network
-from selectord import (PATIENCE, Selectord, Watch, WithConfiguration, vdna, vdna_json)
+from selectord import Selectord, Watch, WithConfiguration, logger, vdna, vdna_json
 
 WORK = os.path.abspath("same_pixels")
 MAP = os.path.join(WORK, "map")
@@ -246,37 +243,6 @@ def build(kind, source):
 def distances(ranking):
     """Experiences and distances in bins, from a message or the result of `vdna rank`."""
     return [(entry["experience"], entry["distance_bins"]) for entry in ranking]
-
-
-@contextlib.contextmanager
-def logger(path):
-    """lcm-logger, which records the camera's channel; it listens once this is entered."""
-    with contextlib.suppress(FileNotFoundError):
-        os.unlink(path)
-    # By its path: the lcm-logger of `pip install lcm` is a script, which leaves its child behind.
-    process = subprocess.Popen([os.environ["VDNA_LCM_LOGGER"], "--channel=CAMERA", "--force", path],
-                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        deadline = time.monotonic() + PATIENCE
-        while not joins_multicast(process.pid) and time.monotonic() < deadline:
-            time.sleep(0.02)
-        yield
-        process.send_signal(signal.SIGINT)
-        process.wait(PATIENCE)
-    finally:
-        process.kill()
-        process.wait()
-
-
-def joins_multicast(pid):
-    """True if a process has a UDP socket at LCM's port."""
-    with open("/proc/net/udp", encoding="ascii") as file:
-        sockets = {line.split()[9] for line in file if ":1DF3 " in line}  # 7667
-    try:
-        files = [os.readlink(f"/proc/{pid}/fd/{name}") for name in os.listdir(f"/proc/{pid}/fd")]
-    except FileNotFoundError:
-        return False
-    return any(f"socket:[{inode}]" in files for inode in sockets)
 
 
 def frames_in(log):

@@ -14,6 +14,7 @@
 #define VDNA_BACKBONE_H
 
 #include <vdna/activation.h>
+#include <vdna/health.h>
 #include <vdna/identity.h>
 #include <vdna/image.h>
 
@@ -85,6 +86,8 @@ typedef struct vdna_backbone_frame {
     uint32_t last_layer_dim;      /**< as in vdna_backbone_info */
     const float *last_layer;      /**< [last_layer_dim], the second embedding, which tells whether
                                        a run is like any of a map's; NULL if last_layer_dim is 0 */
+    vdna_health_picture health;   /**< measured of the decoded picture; of width 0 if the backbone
+                                       does not measure */
 } vdna_backbone_frame;
 
 /** How one kind of backbone works. None of the pointers is NULL. A state belongs to the table that

@@ -61,7 +61,7 @@ typedef struct vdna_experience {
                                         stored */
     const float *last_layer_scale; /**< [frames], of the codes: finite, >= 0; NULL = not stored */
     uint32_t last_layer_dim;       /**< >= 1; 0 = not stored */
-    uint32_t reserved;             /**< 0 */
+    uint32_t checksum;             /**< CRC-32C of the file; 0 = not from a file */
     const int8_t *embedding_codes; /**< [frames][dim], codes of vdna/int8.h that the file has in
                                         place of `embeddings`, which a reader decodes into memory
                                         of the experience; NULL = the file has floats */

@@ -60,9 +60,10 @@ typedef struct vdna_transport_config {
     uint32_t struct_size;     /**< bytes of this struct, set by vdna_transport_config_init() */
     uint32_t max_image_bytes; /**< largest camera picture kept, 1..2^28; default 8 MiB; allocated at
                                    once if there is a camera channel */
-    uint32_t max_message_bytes; /**< room for a message to publish, allocated at once, 0..2^28; a
-                                     larger one makes it grow; default 0 */
-    uint32_t reserved;          /**< 0 */
+    uint32_t max_message_bytes;  /**< room for a message to publish, allocated at once, 0..2^28; a
+                                      larger one makes it grow; default 0 */
+    uint32_t require_protection; /**< 1 = refuse camera frames without end-to-end protection; 0 =
+                                      use and count them (default) */
     const char *url; /**< LCM URL; NULL = $LCM_DEFAULT_URL, else LCM's default (default) */
     const char *camera_channel;  /**< bot_core.image_t in; default NULL */
     const char *command_channel; /**< vdna_msg.command_t in; default NULL */
@@ -113,7 +114,26 @@ typedef struct vdna_transport_counters {
     uint64_t repeated_datagrams;  /**< that bring nothing new: duplicates, and fragments of messages
                                      that  were given up, are oversized or on other channels */
     uint64_t foreign_datagrams;   /**< from machines that may not send */
+    /* By the end-to-end protection of camera frames; over any network, and of logs. */
+    uint64_t unprotected_frames; /**< well-formed camera messages without it; with
+                                      require_protection they are in `rejected` */
+    uint64_t corrupted_frames;   /**< of `rejected`, well-formed camera messages whose checksum is
+                                      false or whose protection is not as SPEC-lcm has it */
+    uint64_t repeated_frames; /**< that came before, or are 64 or more numbers older than the newest
+                                   of their stream; not handed out and not in `received` */
+    uint64_t reordered_frames; /**< that a newer one of their stream overtook; likewise not handed
+                                    out and not in `received` */
+    uint64_t lost_frames;  /**< numbers that a stream left out between those that came intact: lost,
+                                corrupted, or oversized and never whole */
+    uint64_t stream_count; /**< streams that began: one for each start of a sender, and again for
+                                one that goes on after a RESET or is not among the last four */
 } vdna_transport_counters;
+
+/** A sender of protected camera frames, from one start to its end. The caller keeps it. */
+typedef struct vdna_transport_stream {
+    uint64_t id;       /**< drawn at random at each start */
+    uint64_t sequence; /**< of the next frame; 0 at the start */
+} vdna_transport_stream;
 
 /** A channel other than the transport's own, as it was overheard. */
 typedef struct vdna_transport_overheard {
@@ -244,6 +264,19 @@ VDNA_API vdna_status vdna_transport_publish(vdna_transport *transport, const cha
 VDNA_API vdna_status vdna_transport_publish_image(vdna_transport *transport, const char *channel,
                                                   int64_t utime, const vdna_image *image);
 
+/** Publish a camera frame with end-to-end protection: its number and a checksum, in metadata that
+ *  other listeners ignore. SPEC-lcm has the bytes.
+ *  @param transport  an open one
+ *  @param channel    as for vdna_transport_publish()
+ *  @param utime      as for vdna_transport_publish_image()
+ *  @param image      as for vdna_transport_publish_image()
+ *  @param stream     its sequence grows by 1, also if sending fails, but not after VDNA_ERR_ARG
+ *  @return as vdna_transport_publish() */
+VDNA_API vdna_status vdna_transport_publish_protected_image(vdna_transport *transport,
+                                                            const char *channel, int64_t utime,
+                                                            const vdna_image *image,
+                                                            vdna_transport_stream *stream);
+
 /** Check the bytes of a message before a generated decoder sees them: lengths, ends, fingerprint.
  *  lcm-gen's decoders trust every length they read; a message that passes is read to its last byte.
  *  The reader judges whether the values make sense.
@@ -254,8 +287,8 @@ VDNA_API vdna_status vdna_transport_publish_image(vdna_transport *transport, con
 VDNA_API vdna_status vdna_transport_check(const vdna_message_type *type, const void *data,
                                           size_t size);
 
-/** Read a camera message in place. Sides must not be negative, and there must be a pixel format;
- *  the picture's decoder checks that it has enough bytes.
+/** Read a camera message in place. Sides must not be negative, there must be a pixel format, and a
+ *  protected message must be intact; the picture's decoder checks that it has enough bytes.
  *  @param data  [size], a whole message; borrowed by `out_frame`
  *  @param size  bytes
  *  @param out_frame  image.data points into `data`; received_us and skipped are 0

@@ -77,7 +77,7 @@ def test_localisers_follow_from_the_warmup_on(unit_range):
         top=2,
     )
     for i in range(8):
-        assert (selector.where is None) == (i <= 2)
+        assert (selector.where is None) == (i < 2)
         answer = selector.feed(1000 * i, on_circle(i / 12), BRIGHT)
     candidate, place = selector.where
     assert candidate == 1 and abs(place.frame - 7) <= 1 and place.moving

@@ -242,7 +242,7 @@ static void print_map(void)
     FIELD(vdna_experience, last_layer);
     FIELD(vdna_experience, last_layer_scale);
     FIELD(vdna_experience, last_layer_dim);
-    FIELD(vdna_experience, reserved);
+    FIELD(vdna_experience, checksum);
     FIELD(vdna_experience, embedding_codes);
     FIELD(vdna_experience, embedding_scale);
 }
@@ -290,6 +290,7 @@ static void print_backbone(void)
     FIELD(vdna_backbone_frame, inference_us);
     FIELD(vdna_backbone_frame, last_layer_dim);
     FIELD(vdna_backbone_frame, last_layer);
+    FIELD(vdna_backbone_frame, health);
 }
 
 int main(void)

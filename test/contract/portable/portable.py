@@ -303,10 +303,10 @@ def output_of(build, folder):
     sources = [ROOT / "test/contract/portable/portable.c", *sorted(ROOT.glob("lib/core/*.c")),
                *sorted(ROOT.glob("lib/localise/*.c")), *sorted(ROOT.glob("lib/trust/*.c")),
                *sorted(ROOT.glob("lib/select/*.c")),
-               *sorted(ROOT.glob("lib/map/crc32c*.c"))]
+               *sorted(ROOT.glob("lib/checksum/*.c"))]
     program = os.path.join(folder, name)
     subprocess.run([build.compiler, *FLAGS, *build.flags, f"-I{ROOT}/lib/include",
-                    f"-I{ROOT}/lib/core", f"-I{ROOT}/lib/map", "-o", program, *map(str, sources)], check=True)
+                    f"-I{ROOT}/lib/core", f"-I{ROOT}/lib/checksum", "-o", program, *map(str, sources)], check=True)
     run = ([build.emulator] if build.emulator else []) + [program]
     return [subprocess.run(run + [threads], check=True, stdout=subprocess.PIPE,
                            text=True).stdout.splitlines() for threads in ("1", "2")]

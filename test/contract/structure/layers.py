@@ -10,6 +10,7 @@ from pathlib import Path
 
 # room: (floor, the rooms that it may use); a room may use its own files.
 ROOMS = {
+    "lib/checksum": (1, []),
     "lib/core": (1, []),
     "lib/fail": (2, ["lib/core"]),
     "lib/baseline": (2, ["lib/core"]),
@@ -20,11 +21,11 @@ ROOMS = {
     "lib/identity": (3, ["lib/core", "lib/fail"]),
     "lib/picture": (3, ["lib/core", "lib/fail"]),
     "lib/replace": (3, ["lib/core", "lib/fail"]),
-    "lib/backbone": (4, ["lib/core", "lib/fail", "lib/identity", "lib/picture"]),
-    "lib/map": (4, ["lib/core", "lib/fail", "lib/geodesy", "lib/identity", "lib/localise",
+    "lib/backbone": (4, ["lib/core", "lib/fail", "lib/health", "lib/identity", "lib/picture"]),
+    "lib/map": (4, ["lib/checksum", "lib/core", "lib/fail", "lib/geodesy", "lib/identity", "lib/localise",
                     "lib/replace"]),
     "lib/select": (3, ["lib/core", "lib/localise"]),
-    "lib/transport": (3, ["lib/core", "lib/fail"]),
+    "lib/transport": (3, ["lib/checksum", "lib/core", "lib/fail"]),
     "lib/cpp": (5, ["lib/backbone", "lib/core", "lib/identity", "lib/localise", "lib/map",
                     "lib/select", "lib/transport"]),
     "apps/program": (6, ["lib/cpp", "lib/replace"]),
@@ -43,7 +44,8 @@ ROOMS = {
                        "apps/simulate", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
                        "lib/geodesy", "lib/localise", "lib/transport"]),
     "apps/selectord": (11, ["apps/program", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
-                            "lib/geodesy", "lib/map", "lib/select", "lib/transport"]),
+                            "lib/geodesy", "lib/health", "lib/map", "lib/select",
+                            "lib/transport"]),
 }
 
 # The public headers of rooms whose name they do not bear.

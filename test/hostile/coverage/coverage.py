@@ -15,7 +15,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 BUILD = ROOT / "build" / "coverage"
 PARTS = [ROOT / "lib" / part
-         for part in ("core", "health", "localise", "trust", "identity", "select", "replace", "map")]
+         for part in ("checksum", "core", "health", "localise", "trust", "identity", "select", "replace", "map")]
 TOOLS = ["clang-19", "llvm-profdata-19", "llvm-cov-19"]
 KINDS = ["line", "branch", "MC/DC"]
 

@@ -17,7 +17,7 @@ WORK = os.path.abspath("statement")
 MAP = os.path.join(WORK, "map")
 LARGE, TOO_LARGE = os.path.join(WORK, "large.jpg"), os.path.join(WORK, "too_large.jpg")
 WIDTH, HEIGHT = 2048, 1024
-LIMITS = f"[lcm]\nmax_image_bytes = 65000\nmax_image_pixels = {WIDTH * HEIGHT}\n"
+LIMITS = f"[camera]\nhealth = false\n[lcm]\nmax_image_bytes = 65000\nmax_image_pixels = {WIDTH * HEIGHT}\n"
 MIB = 1 << 20
 
 

@@ -21,7 +21,7 @@ struct Made {
     float numbers[4] = {1, 2, 3, 4};
     vdna_activations found[2] = {{numbers, 2, 1, VDNA_LAYOUT_SAMPLES_NEURONS},
                                  {numbers + 2, 1, 2, VDNA_LAYOUT_SAMPLES_NEURONS}};
-    vdna_backbone_frame frame = {found, numbers, nullptr, 2, 2, 17.0f, 1, 2, 3, 0, nullptr};
+    vdna_backbone_frame frame = {found, numbers, nullptr, 2, 2, 17.0f, 1, 2, 3, 0, nullptr, {}};
     // What was done to it.
     vdna_backbone_config config{};
     int opened = 0, closed = 0, runs = 0, cancelled = 0;

@@ -77,11 +77,12 @@ const View &view_of(const vdna_message_type &type)
 // The text and JSON of a valid answer with a position in this frame.
 std::pair<std::string, nlohmann::ordered_json> answer_in(const char *frame)
 {
-    char experience[] = "snow";
+    char experience[] = "snow", nothing[] = "";
     std::string name = frame;
     vdna_msg_localisation_t answer{};
     answer.validity = VDNA_MSG_LOCALISATION_T_VALID;
     answer.experience = experience;
+    answer.reason = nothing;
     answer.has_position = 1;
     answer.position_frame = name.data();
     answer.position[0] = 48.12345678;
@@ -108,10 +109,11 @@ void a_position_in_a_local_frame_is_shown_in_metres_with_the_frame(void **)
 
 void an_unsure_answer_says_how_unsure(void **)
 {
-    char experience[] = "snow", frame[] = "";
+    char experience[] = "snow", frame[] = "", nothing[] = "";
     vdna_msg_localisation_t answer{};
     answer.validity = VDNA_MSG_LOCALISATION_T_UNSURE;
     answer.experience = experience;
+    answer.reason = nothing;
     answer.position_frame = frame;
     answer.frame = 7;
     answer.confidence = 0.25;

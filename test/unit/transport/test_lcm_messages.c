@@ -12,9 +12,9 @@
 
 // Bytes of the members in front of the first length, by the .lcm files.
 #define RANKING_BACKBONE_AT (8 + 8 + 8 + 4 + 4)
-#define RANKING_COUNT_AT (RANKING_BACKBONE_AT + (4 + 6) + (4 + 5) + 8)
-#define LOCALISATION_EXPERIENCE_AT (8 + 8 + 4)
-#define STATUS_EXPERIENCE_AT (8 + 8 + 4 + 8)
+#define RANKING_COUNT_AT (RANKING_BACKBONE_AT + (4 + 6) + (4 + 5) + (4 + 17) + 8)
+#define LOCALISATION_EXPERIENCE_AT (8 + 8 + 4 + (4 + 1))
+#define STATUS_EXPERIENCE_AT (8 + 8 + 4 + (4 + 1) + 8 + 8)
 #define COMMAND_ARGUMENT_AT (8 + 8 + 4)
 #define IMAGE_WIDTH_AT (8 + 8)
 #define IMAGE_PIXELFORMAT_AT (IMAGE_WIDTH_AT + 3 * 4)

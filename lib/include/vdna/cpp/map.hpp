@@ -5,7 +5,9 @@
 #define VDNA_CPP_MAP_HPP
 
 #include <algorithm>
+#include <cinttypes>
 #include <cstdint>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -43,6 +45,24 @@ class Map
 
     /** At least one. */
     const std::vector<vdna_experience> &experiences() const { return experiences_; }
+
+    /** 16 hexadecimal digits over the names and the content of the files: equal for the same map.
+     */
+    std::string hash() const
+    {
+        uint64_t hash = 14695981039346656037u; // FNV-1a
+        const auto take = [&](const void *bytes, size_t size) {
+            for (size_t i = 0; i < size; i++)
+                hash = (hash ^ static_cast<const unsigned char *>(bytes)[i]) * 1099511628211u;
+        };
+        for (const vdna_experience &experience : experiences_) {
+            take(experience.name, sizeof experience.name);
+            take(&experience.checksum, sizeof experience.checksum);
+        }
+        char text[17];
+        std::snprintf(text, sizeof text, "%016" PRIx64, hash);
+        return text;
+    }
 
     /** The experiences as the selector wants them; borrowed from this map. */
     std::vector<vdna_select_candidate> candidates() const

@@ -333,7 +333,7 @@ class ExperienceFile(Structure):
         ("last_layer", c_void_p),
         ("last_layer_scale", c_void_p),
         ("last_layer_dim", c_uint32),
-        ("reserved", c_uint32),
+        ("checksum", c_uint32),
         ("embedding_codes", c_void_p),
         ("embedding_scale", c_void_p),
     ]
@@ -377,6 +377,20 @@ class BackboneFields(Structure):
     ]
 
 
+class HealthPicture(Structure):
+    _fields_ = [
+        ("hash", c_uint64),
+        ("width", c_uint32),
+        ("height", c_uint32),
+        ("mean", c_uint32),
+        ("contrast", c_uint32),
+        ("structure", c_uint32),
+        ("grain", c_uint32),
+        ("bright", c_uint32),
+        ("reserved", c_uint32),
+    ]
+
+
 class BackboneOutput(Structure):
     _fields_ = [
         ("taps", POINTER(Activations)),
@@ -390,6 +404,7 @@ class BackboneOutput(Structure):
         ("inference_us", c_uint32),
         ("last_layer_dim", c_uint32),
         ("last_layer", c_void_p),
+        ("health", HealthPicture),
     ]
 
 

@@ -1,4 +1,4 @@
-/* Private to lib/map: CRC-32C (Castagnoli; iSCSI, RFC 3720). */
+/* Private: CRC-32C (Castagnoli; iSCSI, RFC 3720). */
 #ifndef VDNA_CRC32C_H
 #define VDNA_CRC32C_H
 
