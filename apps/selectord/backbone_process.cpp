@@ -77,13 +77,6 @@ std::string how_it_ended(int status)
     return "it ended with exit code " + std::to_string(WEXITSTATUS(status));
 }
 
-// Another picture may do better.
-bool blames_picture(vdna_status status)
-{
-    return status == VDNA_ERR_FORMAT || status == VDNA_ERR_UNSUPPORTED ||
-           status == VDNA_ERR_NONFINITE;
-}
-
 std::string milliseconds(int64_t us)
 {
     return std::to_string(us / 1000) + " ms";
@@ -151,6 +144,12 @@ int spawn_child(int mailbox, int go, int done, pid_t &out_pid)
 }
 
 } // namespace
+
+bool blames_picture(vdna_status status)
+{
+    return status == VDNA_ERR_FORMAT || status == VDNA_ERR_UNSUPPORTED ||
+           status == VDNA_ERR_NONFINITE;
+}
 
 const vdna_backbone_operations BackboneProcess::operations = {
     sizeof(vdna_backbone_operations),

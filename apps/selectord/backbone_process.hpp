@@ -17,6 +17,9 @@
 namespace vdna::selectord
 {
 
+// Whether a network that gives this works, and another picture may do better.
+bool blames_picture(vdna_status status);
+
 // Never waits for the process longer than its budget, except for open(). A picture that finds it
 // busy or absent is refused at once; each picture takes the next step towards a process that works.
 // SIGPIPE must be ignored. All but cancelling is for one thread, with which the process ends too.

@@ -31,7 +31,8 @@ the processors. The network runs in a process of its own, which is started again
 hangs ([backbone] process and budget_ms).
 
 Prints "READY ..." on standard output once it listens, and events on standard error.
-SIGTERM and SIGINT end it at once; `vdna command reset` makes it choose again.
+SIGTERM and SIGINT end it at once; `vdna command reset` makes it choose again. SIGHUP opens the
+directory of the map again, while the old map serves.
 After three seconds without progress, standard error and the status say why.
 
 The URL of a log, file://PATH?speed=0, replays it: every frame is answered, in the file of --answers,

@@ -21,22 +21,9 @@ namespace
 constexpr int64_t status_period_us = 1000000;
 constexpr int32_t poll_ms = 50; // bounds the delay of a stop or a status without frames
 
-Warmup warmup_of(const Config &config)
-{
-    return {config.warmup_frames, static_cast<int64_t>(config.warmup_seconds * 1e6),
-            config.warmup_frames_min};
-}
-
-std::vector<std::unique_ptr<ExperienceLocaliser>> localisers_in(const Map &map,
-                                                                const Config &config)
-{
-    std::vector<std::unique_ptr<ExperienceLocaliser>> localisers;
-    if (config.place_filter)
-        for (const vdna_experience &experience : map.experiences())
-            localisers.push_back(
-                std::make_unique<ExperienceLocaliser>(experience, config.tolerance));
-    return localisers;
-}
+// A ranking of a map that a reload brings may be larger than that of the map at the start.
+constexpr uint32_t ranking_growth = 2;
+constexpr uint32_t message_size_min = 1 << 14;
 
 // Why a picture is left out.
 const char *sentence_of(uint32_t verdict)
@@ -59,58 +46,29 @@ const char *sentence_of(uint32_t verdict)
     }
 }
 
-Localising localising_of(const std::vector<std::unique_ptr<ExperienceLocaliser>> &localisers,
-                         uint32_t top)
-{
-    Localising localising;
-    for (const std::unique_ptr<ExperienceLocaliser> &localiser : localisers)
-        localising.by.push_back(localiser->get());
-    localising.top = top;
-    return localising;
-}
-
 } // namespace
 
-Daemon::Daemon(const Config &config, const Map &map, const Backbone &backbone,
+Daemon::Daemon(const Config &config, std::unique_ptr<const Map> map, const Backbone &backbone,
                BackboneProcess *process)
-    : config_(config), map_(map), backbone_(backbone), process_(process),
-      is_replay_(vdna_transport_is_log(config.url.c_str()) != 0),
-      localisers_(localisers_in(map, config)),
-      selector_(map.candidates(), map.experiences().front().identity.dim, warmup_of(config),
-                config.map_directory, {static_cast<int64_t>(config.late_seconds * 1e6)},
-                localising_of(localisers_, config.top)),
-      projected_(map.experiences().front().identity.dim), origin_(origin_of(map)),
-      ranking_(map, backbone.info(), origin_), waiting_(config, is_replay_)
+    : config_(config), backbone_(backbone), process_(process),
+      is_replay_(vdna_transport_is_log(config.url.c_str()) != 0), process_id_(identify_process()),
+      session_(std::make_unique<MapSession>(config, std::move(map), backbone.info())),
+      message_size_max_(std::max({ranking_growth * session_->ranking().encoded_size(),
+                                  message_size_min, other_messages_size_max})),
+      waiting_(config, is_replay_)
 {
     vdna_health_init(&health_, nullptr); // cannot fail: the defaults are valid
 }
 
-uint32_t Daemon::message_size_max() const
-{
-    return std::max(ranking_.encoded_size(), other_messages_size_max);
-}
-
-size_t Daemon::histogram_size() const
-{
-    vdna_hist_view live;
-    vdna_select_live(selector_.get(), &live);
-    const size_t numbers_per_neuron = live.bins + 2; // counts, mass, saturated
-    return numbers_per_neuron * live.neurons * sizeof(uint32_t);
-}
-
-size_t Daemon::localisers_size() const
-{
-    size_t size = 0;
-    for (const std::unique_ptr<ExperienceLocaliser> &localiser : localisers_)
-        size += sizeof *localiser + localiser->memory_size();
-    return size;
-}
-
 size_t Daemon::size() const
 {
-    const size_t per_experience = sizeof(char *) + 2 * sizeof(double) + sizeof(int8_t);
-    return sizeof *this + selector_.memory_size() + projected_.size() * sizeof(float) +
-           map_.experiences().size() * per_experience;
+    return sizeof *this + session_->size();
+}
+
+void Daemon::reload_when(std::atomic<bool> &requested, uint64_t held_bytes)
+{
+    reload_.emplace(config_, backbone_.info(), requested,
+                    MapReload::Room{message_size_max_, held_bytes});
 }
 
 void Daemon::keep_answers(const std::string &path)
@@ -118,13 +76,15 @@ void Daemon::keep_answers(const std::string &path)
     answers_.emplace(path);
 }
 
-void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
+void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop,
+                 const ServiceManager &manager)
 {
     if (is_replay_ && !answers_)
         std::fprintf(stderr,
                      "vdna_selectord: answers to a log cannot be sent and are not kept; keep "
                      "them with --answers FILE\n");
     overhear(transport); // of a log, the first poll may take hundreds of messages
+    manager.ready();
     int64_t next_status_us = program::monotonic_us();
     while (!stop) {
         uint32_t events = 0;
@@ -137,26 +97,38 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop)
 
         if (events & VDNA_TRANSPORT_RESET)
             reset();
+        if (reload_)
+            go_on_reloading(manager);
         if (events & VDNA_TRANSPORT_FRAME)
             answer(transport, frame, stop);
 
         // At 1 Hz, with or without frames; beats missed during a long inference are dropped.
         const int64_t now_us = program::monotonic_us();
         if (now_us >= next_status_us) {
-            beat(transport);
+            beat(transport, manager);
             next_status_us += ((now_us - next_status_us) / status_period_us + 1) * status_period_us;
         }
     }
+    manager.stopping();
 }
 
 // Once a second: say what is wrong, listen around if that helps, and publish the status.
-void Daemon::beat(vdna_transport *transport)
+void Daemon::beat(vdna_transport *transport, const ServiceManager &manager)
 {
     verdict_ = waiting_.judge(facts(transport));
     if (verdict_.is_news)
         std::fprintf(stderr, "vdna_selectord: %s\n", verdict_.text.data());
     overhear(transport);
     publish_status(transport);
+    if (network_makes_progress()) // as do the loop, and the transport that it has polled
+        manager.alive();
+}
+
+// It has answered since the last beat, or nothing was asked.
+bool Daemon::network_makes_progress()
+{
+    const bool answers = std::exchange(network_answers_, 0) > 0;
+    return std::exchange(network_runs_, 0) == 0 || answers;
 }
 
 void Daemon::overhear(vdna_transport *transport)
@@ -167,20 +139,20 @@ void Daemon::overhear(vdna_transport *transport)
 
 Facts Daemon::facts(vdna_transport *transport) const
 {
-    const vdna_camera_time &time = *vdna_select_time(selector_.get());
+    const FrameCounts counts = session_->counts();
     Facts facts;
     facts.now_us = program::monotonic_us();
     facts.camera = *vdna_transport_count(transport);
     facts.overheard = vdna_transport_overheard_channels(transport, &facts.overheard_count);
-    facts.selected = vdna_select_state(selector_.get()) == VDNA_SELECT_SELECTED;
-    facts.progress = vdna_select_progress(selector_.get());
-    facts.accepted = vdna_select_accepted(selector_.get());
+    facts.selected = vdna_select_state(session_->select()) == VDNA_SELECT_SELECTED;
+    facts.progress = vdna_select_progress(session_->select());
+    facts.accepted = counts.accepted;
     facts.refused = refused_;
-    facts.late = time.late;
-    facts.still = time.still;
-    facts.restarts = vdna_select_restarts(selector_.get());
+    facts.late = counts.late;
+    facts.still = vdna_select_time(session_->select())->still;
+    facts.restarts = counts.restarts;
     facts.refusal = refusal_.data();
-    facts.restart_reason = vdna_restart_text(vdna_select_restart_cause(selector_.get()));
+    facts.restart_reason = vdna_restart_text(vdna_select_restart_cause(session_->select()));
     return facts;
 }
 
@@ -209,10 +181,32 @@ void Daemon::end_log(vdna_transport *transport) const
 
 void Daemon::reset()
 {
-    vdna_select_reset(selector_.get());
+    vdna_select_reset(session_->select());
     vdna_health_init(&health_, nullptr); // what was seen may come again
     degraded_[0] = '\0';
     resets_.note(program::monotonic_us(), "reset by command, warming up again");
+}
+
+// Between two frames, so each is answered from one map as a whole.
+void Daemon::go_on_reloading(const ServiceManager &manager)
+{
+    if (reload_->begin(*session_))
+        manager.reloading();
+    try {
+        std::unique_ptr<MapSession> next = reload_->take();
+        if (!next)
+            return;
+        next->count_on_from(*session_);
+        session_ = std::move(next);
+        map_is_old_ = false;
+        reloads_.note(program::monotonic_us(), "the map is reloaded: %zu experiences, warming up",
+                      session_->experiences().size());
+    } catch (const std::exception &error) {
+        map_is_old_ = true;
+        reload_problems_.note(program::monotonic_us(), "not reloaded, the old map serves: %s",
+                              error.what());
+    }
+    manager.ready();
 }
 
 void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame,
@@ -224,6 +218,8 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     const vdna_status status = vdna_backbone_run(backbone_.get(), &frame.image, &error, &seen);
     if (stop)
         return; // cancelled: the frame is not at fault
+    network_runs_++;
+    network_answers_ += status == VDNA_OK || blames_picture(status);
 
     Stopwatch watch;
     std::optional<vdna_msg_localisation_t> answer =
@@ -261,15 +257,16 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
         return refuse(frame, fault);
     }
     const vdna_select_frame live{frame.utime, seen.taps, seen.tap_count,
-                                 map_.embedding_of(seen, projected_)};
+                                 session_->embedding_of(seen)};
     vdna_select_answer found;
-    const vdna_status status = vdna_select_feed(selector_.get(), &live, &found);
+    const vdna_status status = vdna_select_feed(session_->select(), &live, &found);
     if (status == VDNA_ERR_LATE)
         return {};
     if (status != VDNA_OK)
         return refuse(frame, vdna_status_text(status));
     (found.newly_ranked ? stages_.rank : stages_.select).add(watch.lap_us());
-    window_frames_max_ = std::max(window_frames_max_, vdna_select_window_frames(selector_.get()));
+    window_frames_max_ =
+        std::max(window_frames_max_, vdna_select_window_frames(session_->select()));
 
     if (found.restarted)
         problems_.note(program::monotonic_us(), "the warmup began anew, %s",
@@ -324,7 +321,7 @@ State Daemon::state() const
     if (static_cast<double>(age_us) > stale_us)
         return {VDNA_MSG_STATUS_T_STALE,
                 "no frame has been used for longer than camera.stale_seconds", age_us};
-    if (vdna_select_state(selector_.get()) == VDNA_SELECT_WARMUP)
+    if (vdna_select_state(session_->select()) == VDNA_SELECT_WARMUP)
         return {VDNA_MSG_STATUS_T_WARMUP, "", age_us};
     const bool is_unsure = validity_ == VDNA_MSG_LOCALISATION_T_UNSURE;
     return {is_unsure ? VDNA_MSG_STATUS_T_UNSURE : VDNA_MSG_STATUS_T_VALID, "", age_us};
@@ -332,10 +329,10 @@ State Daemon::state() const
 
 vdna_msg_localisation_t Daemon::place_of(const vdna_knn_match &match, int64_t utime) const
 {
-    const std::vector<vdna_experience> &experiences = map_.experiences();
-    const vdna_select_position *const where = vdna_select_where(selector_.get());
+    const std::vector<vdna_experience> &experiences = session_->experiences();
+    const vdna_select_position *const where = vdna_select_where(session_->select());
     if (!where)
-        return nearest_in(experiences[vdna_select_chosen(selector_.get())], match, utime);
+        return nearest_in(experiences[vdna_select_chosen(session_->select())], match, utime);
     return position_in(experiences[where->candidate], where->answer, config_.min_confidence, utime);
 }
 
@@ -350,7 +347,7 @@ vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const 
 
 void Daemon::announce_choice(vdna_transport *transport)
 {
-    const vdna_msg_ranking_t &ranking = ranking_.fill(*selector_.get());
+    const vdna_msg_ranking_t &ranking = session_->ranking().fill(*session_->select());
     publish(transport, config_.ranking_channel, vdna_message_ranking, &ranking);
     choices_.note(program::monotonic_us(),
                   "selected %s of %d after %d frames: distance %.3f bins, margin %.3f bins",
@@ -366,20 +363,29 @@ Resident Daemon::resident() const
     return resident;
 }
 
+const char *Daemon::problem() const
+{
+    if (verdict_.text[0])
+        return verdict_.text.data();
+    return map_is_old_ ? reload_problems_.last() : problems_.last();
+}
+
 void Daemon::publish_status(vdna_transport *transport)
 {
-    const StatusFacts now{origin_,
+    const StatusFacts now{process_id_,
                           state(),
-                          *selector_.get(),
+                          *session_->select(),
                           *vdna_transport_count(transport),
-                          map_.experiences(),
+                          session_->experiences(),
+                          session_->map_hash(),
                           backbone_.info(),
                           stages_,
+                          session_->counts(),
                           refused_,
                           unusable_,
                           window_frames_max_,
                           resident(),
-                          verdict_.text[0] ? verdict_.text.data() : problems_.last()};
+                          problem()};
     const vdna_msg_status_t message = status_of(now, program::wall_us());
     publish(transport, config_.status_channel, vdna_message_status, &message);
 }

@@ -7,12 +7,9 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <vdna/cpp/backbone.hpp>
-#include <vdna/cpp/experience_localiser.hpp>
 #include <vdna/cpp/map.hpp>
-#include <vdna/cpp/selector.hpp>
 #include <vdna/health.h>
 #include <vdna/transport.h>
 
@@ -20,8 +17,11 @@
 #include "selectord/backbone_process.hpp"
 #include "selectord/config.hpp"
 #include "selectord/limited_log.hpp"
+#include "selectord/map_reload.hpp"
+#include "selectord/map_session.hpp"
 #include "selectord/reports.hpp"
 #include "selectord/resident_memory.hpp"
+#include "selectord/service_manager.hpp"
 #include "selectord/stages.hpp"
 #include "selectord/waiting.hpp"
 
@@ -31,33 +31,41 @@ namespace vdna::selectord
 class Daemon
 {
   public:
-    // Allocates all memory of the loop; borrows all four. `process` is that of the backbone,
+    // Allocates all memory of the loop; borrows all but the map. `process` is that of the backbone,
     // nullptr if it has none of its own. Throws Error.
-    Daemon(const Config &config, const Map &map, const Backbone &backbone,
+    Daemon(const Config &config, std::unique_ptr<const Map> map, const Backbone &backbone,
            BackboneProcess *process = nullptr);
 
-    // Size of the largest message that run() publishes, in bytes.
-    uint32_t message_size_max() const;
+    // Size of the largest message that run() publishes, in bytes, whatever a reload brings.
+    uint32_t message_size_max() const { return message_size_max_; }
 
-    // Bytes of the live histogram, of the localisers, and of everything else that this object holds
-    // with the histogram.
-    size_t histogram_size() const;
-    size_t localisers_size() const;
+    const MapSession &session() const { return *session_; }
+    // Bytes of the live histogram and of everything else that this object holds, but the map, what
+    // is decoded from it and the localisers.
     size_t size() const;
 
     // Also write answers to a file. Throws Error if it cannot be written.
     void keep_answers(const std::string &path);
 
-    // Answer frames and commands until `stop`, or to the end of a log. Throws Error if the
-    // connection is lost, or if a log is damaged or no frame of it could be used.
-    void run(vdna_transport *transport, const std::atomic<bool> &stop);
+    // Open the map's directory again whenever `requested` is set, in any thread; it is borrowed.
+    // A reload for which `held_bytes`, of everything but maps, and both maps exceed the budget is
+    // refused.
+    void reload_when(std::atomic<bool> &requested, uint64_t held_bytes);
+
+    // Answer frames and commands until `stop`, or to the end of a log, and tell `manager` about it.
+    // Throws Error if the connection is lost, or if a log is damaged or no frame of it could be
+    // used.
+    void run(vdna_transport *transport, const std::atomic<bool> &stop,
+             const ServiceManager &manager);
 
   private:
-    void beat(vdna_transport *transport);
+    void beat(vdna_transport *transport, const ServiceManager &manager);
+    bool network_makes_progress();
     void overhear(vdna_transport *transport);
     void end_log(vdna_transport *transport) const;
     Facts facts(vdna_transport *transport) const;
     void reset();
+    void go_on_reloading(const ServiceManager &manager);
     void answer(vdna_transport *transport, const vdna_transport_frame &frame,
                 const std::atomic<bool> &stop);
     // Nothing for a late frame.
@@ -73,28 +81,28 @@ class Daemon
     vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason);
     void announce_choice(vdna_transport *transport);
     Resident resident() const;
+    const char *problem() const;
     void publish_status(vdna_transport *transport);
     void publish(vdna_transport *transport, const std::string &channel,
                  const vdna_message_type &type, const void *message);
     void keep(const std::string &channel, const vdna_message_type &type, const void *message);
 
     const Config &config_;
-    const Map &map_;
     const Backbone &backbone_;
     BackboneProcess *const process_;
     const bool is_replay_; // frames come from a log, on which nothing can be sent
-    const std::vector<std::unique_ptr<ExperienceLocaliser>> localisers_; // one for each experience
-                                                                         // if the filter is on
-    Selector selector_;                                                  // borrows them
-    std::vector<float> projected_; // room for a live frame's embedding
-    const Origin origin_;
-    RankingReport ranking_; // borrows it
+    const ProcessId process_id_;
+    std::unique_ptr<MapSession> session_;
+    const uint32_t message_size_max_;
+    std::optional<MapReload> reload_;
+    bool map_is_old_ = false; // the newest reload failed
     ResidentMemory memory_;
-    LimitedLog problems_, resets_, choices_;
+    LimitedLog problems_, resets_, choices_, reloads_, reload_problems_;
     Waiting waiting_;
     Verdict verdict_; // of the last beat
     std::optional<AnswerFile> answers_;
     Stages stages_;
+    uint32_t network_runs_ = 0, network_answers_ = 0; // since the last beat
     vdna_health health_;
     std::array<char, 96> degraded_{}; // why the camera is degraded; "" if it is not
     bool network_failed_ = false;     // on the newest frame

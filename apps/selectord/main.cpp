@@ -3,8 +3,11 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <numeric>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include <signal.h>
 
@@ -22,6 +25,7 @@
 #include "selectord/output.hpp"
 #include "selectord/processor.hpp"
 #include "selectord/resident_memory.hpp"
+#include "selectord/service_manager.hpp"
 #include "selectord/stop.hpp"
 
 namespace
@@ -56,9 +60,8 @@ bool wants_backbone_process(const Config &config)
     return config.backbone_process && !vdna_transport_is_log(config.url.c_str());
 }
 
-void say_ok(const Config &config, const Map &map, const Backbone &backbone)
+void say_ok(const Config &config, const std::vector<vdna_experience> &all, const Backbone &backbone)
 {
-    const std::vector<vdna_experience> &all = map.experiences();
     const uint64_t frames = std::accumulate(
         all.begin(), all.end(), uint64_t{0},
         [](uint64_t sum, const vdna_experience &experience) { return sum + experience.frames; });
@@ -74,12 +77,12 @@ void say_large_map(const MemoryStatement &memory)
         std::fprintf(stderr, "vdna_selectord: %s\n", sentence.c_str());
 }
 
-void say_ready(const Config &config, const Map &map, const Backbone &backbone)
+void say_ready(const Config &config, const std::vector<vdna_experience> &all,
+               const Backbone &backbone)
 {
     const char *url = config.url.empty() ? std::getenv("LCM_DEFAULT_URL") : config.url.c_str();
     std::cout << "vdna_selectord: READY map=" << config.map_directory
-              << " experiences=" << map.experiences().size()
-              << " backbone=" << backbone.info().identity.backbone
+              << " experiences=" << all.size() << " backbone=" << backbone.info().identity.backbone
               << " url=" << (url ? url : "default") << std::endl;
 }
 
@@ -103,11 +106,13 @@ program::ExitCode run(int argc, char **argv)
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
 
+    const ServiceManager manager(std::getenv("NOTIFY_SOCKET"));
+
     // The map.
     StartUp start_up;
     const ResidentMemory resident;
     start_up.program = resident.read();
-    const Map map(config.map_directory);
+    auto map = std::make_unique<const Map>(config.map_directory);
     start_up.map = resident.read();
 
     // The network and the loop's memory: the large allocations end here.
@@ -118,24 +123,28 @@ program::ExitCode run(int argc, char **argv)
     const Backbone backbone = process ? process->open()
                                       : Backbone(config.manifest, config.threads, config.runtime,
                                                  config.max_image_pixels);
-    map.require_backbone(backbone.info());
+    map->require_backbone(backbone.info());
     start_up.backbone = resident.read();
     if (process) {
         start_up.process = process->resident();
         start_up.mailbox = process->shared_bytes();
     }
-    Daemon daemon(config, map, backbone, process ? &*process : nullptr);
+    Daemon daemon(config, std::move(map), backbone, process ? &*process : nullptr);
     const vdna_transport_config transport = transport_config(config, daemon);
-    const MemoryStatement memory(config, start_up, map, backbone, daemon, memory_of(transport));
+    const MemoryStatement memory(config, start_up, backbone, daemon, memory_of(transport));
     if (invocation->print_memory) {
         invocation->json ? memory.print_json(std::cout) : memory.print(std::cout);
         return program::exit_ok;
     }
     memory.require_budget();
     if (invocation->check) {
-        say_ok(config, map, backbone);
+        say_ok(config, daemon.session().experiences(), backbone);
         return program::exit_ok;
     }
+
+    // A replay is to give the same answers again, so it has one map.
+    if (!vdna_transport_is_log(config.url.c_str()))
+        daemon.reload_when(stop.reload_requested(), memory.held_beside_map());
 
     // One-way door: from here on we are visible to others, and wait for nobody.
     never_wait_for_readers();
@@ -146,9 +155,9 @@ program::ExitCode run(int argc, char **argv)
     if (config.lock_memory)
         lock_memory();
     say_large_map(memory);
-    say_ready(config, map, backbone);
+    say_ready(config, daemon.session().experiences(), backbone);
 
-    daemon.run(connection.get(), stop.requested());
+    daemon.run(connection.get(), stop.requested(), manager);
 
     // Everything closes itself in reverse order: connection, signals, selector, backbone, map.
     if (stop.requested())

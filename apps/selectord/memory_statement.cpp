@@ -34,23 +34,6 @@ std::string mib_text(uint64_t bytes)
     return text;
 }
 
-uint64_t bytes_of(const Map &map)
-{
-    uint64_t bytes = 0;
-    for (const vdna_experience &experience : map.experiences())
-        bytes += experience.file_size;
-    return bytes;
-}
-
-uint64_t decoded_bytes_of(const Map &map)
-{
-    uint64_t bytes = 0;
-    for (const vdna_experience &experience : map.experiences())
-        if (experience.embedding_codes)
-            bytes += uint64_t{experience.frames} * experience.identity.dim * sizeof(float);
-    return bytes;
-}
-
 // The system may drop pages of the map while the network loads, so take at least the heap's growth.
 uint64_t growth(const Resident &before, const Resident &after)
 {
@@ -74,31 +57,32 @@ std::vector<std::pair<std::string, uint64_t>> held_by_name(const std::vector<Mem
 
 } // namespace
 
-MemoryStatement::MemoryStatement(const Config &config, const StartUp &start_up, const Map &map,
+MemoryStatement::MemoryStatement(const Config &config, const StartUp &start_up,
                                  const Backbone &backbone, const Daemon &daemon,
                                  const vdna_transport_memory &transport)
-    : config_(config),
+    : config_(config), map_held_(daemon.session().held_bytes(config.lock_memory)),
       loading_(static_cast<uint64_t>(start_up.backbone.most + start_up.process.most))
 {
+    const MapSession &map = daemon.session();
     const std::string experiences = std::to_string(map.experiences().size());
     const std::string pixels = std::to_string(config.max_image_pixels);
-    const size_t histogram = daemon.histogram_size();
+    const size_t histogram = map.histogram_size();
     const uint64_t picture = config.max_image_bytes;
     const bool pinned = config.lock_memory;
     const std::string backbone_name = backbone.info().identity.backbone;
     parts_ = {
         {"program", "code, libraries and heap before the map is opened",
          static_cast<uint64_t>(start_up.program.now), true, false},
-        {"map", experiences + " experience files, mapped and shared", bytes_of(map), false,
+        {"map", experiences + " experience files, mapped and shared", map.file_bytes(), false,
          !pinned},
-        {"map", "embeddings decoded from 8-bit codes", decoded_bytes_of(map), false, false},
+        {"map", "embeddings decoded from 8-bit codes", map.decoded_bytes(), false, false},
         {"backbone", backbone_name + ": runtime, network and arena",
          growth(start_up.map, start_up.backbone) + static_cast<uint64_t>(start_up.process.now),
          true, false},
         {"backbone", "picture and numbers on their way between two processes", start_up.mailbox,
          false, false},
-        {"localise", "frames of the map as directions, place filters", daemon.localisers_size(),
-         false, false},
+        {"localise", "frames of the map as directions, place filters", map.localisers_size(), false,
+         false},
         {"core", "live histogram", histogram, false, false},
         {"core", "selector, ranking and stage times", daemon.size() - histogram, false, false},
         {"frames", "newest picture (lcm.max_image_bytes)", picture, false, false},
@@ -130,6 +114,11 @@ uint64_t MemoryStatement::held_max() const
     return std::max(sum(false), loading_ - std::min(loading_, evictable));
 }
 
+uint64_t MemoryStatement::held_beside_map() const
+{
+    return sum(false) - map_held_;
+}
+
 void MemoryStatement::print(std::ostream &out) const
 {
     const auto line = [&](const char *name, uint64_t bytes, const std::string &what) {
@@ -143,10 +132,13 @@ void MemoryStatement::print(std::ostream &out) const
         line(part.name, part.bytes,
              part.what + (part.measured ? " (measured)" : "") +
                  (part.evictable ? " (evictable)" : ""));
-    line("most", resident_max(), "resident at any time; " + mib_text(loading_) + " so far");
+    line("most", resident_max(),
+         "resident at any time but in a reload; " + mib_text(loading_) + " so far");
     line("held", held_max(),
          config_.lock_memory ? "of that, all locked (memory.lock)"
                              : "of that, not evictable: what memory.budget_mb limits");
+    line("reload", map_held_,
+         "held besides while SIGHUP opens such a map again; refused beyond the budget");
     if (config_.budget_mb > 0)
         line("budget", config_.budget_mb * mib, "memory.budget_mb");
 }
@@ -163,6 +155,7 @@ void MemoryStatement::print_json(std::ostream &out) const
     const nlohmann::ordered_json json{{"parts", parts},
                                       {"resident_bytes_max", resident_max()},
                                       {"held_bytes_max", held_max()},
+                                      {"reload_bytes", map_held_},
                                       {"resident_bytes_so_far", loading_},
                                       {"budget_bytes", config_.budget_mb * mib}};
     out << json.dump(2) << '\n';

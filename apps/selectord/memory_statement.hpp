@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <vdna/cpp/backbone.hpp>
-#include <vdna/cpp/map.hpp>
 
 #include "selectord/config.hpp"
 #include "selectord/daemon.hpp"
@@ -38,16 +37,18 @@ struct StartUp {
 class MemoryStatement
 {
   public:
-    MemoryStatement(const Config &config, const StartUp &start_up, const Map &map,
-                    const Backbone &backbone, const Daemon &daemon,
-                    const vdna_transport_memory &transport);
+    MemoryStatement(const Config &config, const StartUp &start_up, const Backbone &backbone,
+                    const Daemon &daemon, const vdna_transport_memory &transport);
 
     const std::vector<MemoryPart> &parts() const { return parts_; }
-    // Upper bound of resident memory, including the map and loading the network. Of two processes,
-    // the sum: code that they share counts twice.
+    // Upper bound of resident memory but in a reload, including the map and loading the network. Of
+    // two processes, the sum: code that they share counts twice.
     uint64_t resident_max() const;
     // The part that the system cannot take back; all of it if locked.
     uint64_t held_max() const;
+
+    // held_max() but the map, and what the loop holds because of it.
+    uint64_t held_beside_map() const;
 
     void print(std::ostream &out) const;
     void print_json(std::ostream &out) const;
@@ -62,6 +63,7 @@ class MemoryStatement
 
     const Config &config_;
     std::vector<MemoryPart> parts_;
+    uint64_t map_held_;    // a map's part of it; another as much during a reload
     uint64_t loading_ = 0; // largest resident size so far
 };
 

@@ -69,7 +69,7 @@ void pin(const std::string &list)
         sched_getaffinity(0, sizeof given, &given) != 0 || !CPU_EQUAL(&wanted, &given))
         throw Error("[cpu] affinity is \"" + list +
                     "\", but not all of these processors exist and may be used here; see `nproc` "
-                    "and `taskset -p $$`");
+                    "and `taskset -p $$`; in a systemd unit, set CPUAffinity= instead");
 }
 
 void prioritise(int32_t nice)
@@ -79,8 +79,7 @@ void prioritise(int32_t nice)
     if (errno != 0 || setpriority(PRIO_PROCESS, 0, given + nice) != 0)
         throw Error("[cpu] nice is " + std::to_string(nice) +
                     ", which the system refuses: " + std::strerror(errno) +
-                    "; a negative one needs CAP_SYS_NICE or LimitNICE= in the systemd unit; allow "
-                    "it, or remove it");
+                    "; a negative one needs CAP_SYS_NICE; in a systemd unit, set Nice= instead");
 }
 
 } // namespace

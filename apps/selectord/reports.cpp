@@ -26,24 +26,24 @@ char *borrow(const char *text)
 
 } // namespace
 
-Origin origin_of(const Map &map)
+ProcessId identify_process()
 {
     std::random_device random;
     const uint64_t drawn = uint64_t{random()} << 32 | random();
-    Origin origin{map.hash(), static_cast<int64_t>(drawn), ""};
-    std::ifstream("/proc/sys/kernel/random/boot_id") >> origin.boot_id;
-    return origin;
+    ProcessId process{static_cast<int64_t>(drawn), ""};
+    std::ifstream("/proc/sys/kernel/random/boot_id") >> process.boot;
+    return process;
 }
 
 RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone,
-                             const Origin &origin)
+                             const std::string &map_hash)
     : experiences_(map.experiences()), names_(experiences_.size()), distances_(experiences_.size()),
       tied_(experiences_.size()), recalls_(experiences_.size(), not_known)
 {
     message_.validity = VDNA_MSG_RANKING_T_VALID;
     message_.backbone = borrow(backbone.identity.backbone);
     message_.comparable = borrow(experiences_.front().comparable);
-    message_.map_hash = borrow(origin.map_hash.c_str());
+    message_.map_hash = borrow(map_hash.c_str());
     message_.count = static_cast<int32_t>(experiences_.size());
     message_.experience = names_.data();
     message_.distance_bins = distances_.data();
@@ -169,12 +169,12 @@ void fill_counters(const StatusFacts &facts, vdna_msg_status_t &message)
 {
     const vdna_transport_counters &counters = facts.transport;
     message.received = static_cast<int64_t>(counters.received);
-    message.processed = static_cast<int64_t>(vdna_select_accepted(&facts.select));
+    message.processed = static_cast<int64_t>(facts.counts.accepted);
     message.refused = static_cast<int64_t>(facts.refused);
     message.unusable = static_cast<int64_t>(facts.unusable);
     message.skipped = static_cast<int64_t>(counters.skipped);
     message.oversized = static_cast<int64_t>(counters.oversized);
-    message.late = static_cast<int64_t>(vdna_select_time(&facts.select)->late);
+    message.late = static_cast<int64_t>(facts.counts.late);
     message.rejected = static_cast<int64_t>(counters.rejected);
     message.lost = static_cast<int64_t>(counters.lost);
     message.incomplete = static_cast<int64_t>(counters.incomplete);
@@ -182,7 +182,7 @@ void fill_counters(const StatusFacts &facts, vdna_msg_status_t &message)
     message.malformed_datagrams = static_cast<int64_t>(counters.malformed_datagrams);
     message.repeated_datagrams = static_cast<int64_t>(counters.repeated_datagrams);
     message.foreign_datagrams = static_cast<int64_t>(counters.foreign_datagrams);
-    message.restarts = static_cast<int64_t>(vdna_select_restarts(&facts.select));
+    message.restarts = static_cast<int64_t>(facts.counts.restarts);
 }
 
 void fill_stages(const Stages &stages, vdna_msg_status_t &message)
@@ -220,9 +220,9 @@ vdna_msg_status_t status_of(const StatusFacts &facts, int64_t utime)
     message.experience =
         borrow(selected ? facts.experiences[vdna_select_chosen(&facts.select)].name : "");
     message.experiences = static_cast<int32_t>(facts.experiences.size());
-    message.map_hash = borrow(facts.origin.map_hash.c_str());
-    message.instance = facts.origin.instance;
-    message.boot_id = borrow(facts.origin.boot_id.c_str());
+    message.map_hash = borrow(facts.map_hash.c_str());
+    message.instance = facts.process.instance;
+    message.boot_id = borrow(facts.process.boot.c_str());
     message.backbone = borrow(facts.backbone.identity.backbone);
     message.version = borrow(vdna_version());
     fill_counters(facts, message);

@@ -18,22 +18,21 @@
 namespace vdna::selectord
 {
 
-// What never changes while the daemon runs.
-struct Origin {
-    std::string map_hash;
+// Which process this is.
+struct ProcessId {
     int64_t instance; // random
-    std::string boot_id;
+    std::string boot; // of the machine; "" if the system does not tell
 };
 
 // Draws the instance, and asks the system for the boot.
-Origin origin_of(const Map &map);
+ProcessId identify_process();
 
 // The ranking message with room for all experiences of a map.
 class RankingReport
 {
   public:
     // Borrows from all.
-    RankingReport(const Map &map, const vdna_backbone_info &backbone, const Origin &origin);
+    RankingReport(const Map &map, const vdna_backbone_info &backbone, const std::string &map_hash);
 
     // Bytes of the message on the wire, for any order of the experiences.
     uint32_t encoded_size() const;
@@ -69,15 +68,23 @@ struct State {
     int64_t frame_age_us;
 };
 
+// What became of frames since the start of the daemon.
+struct FrameCounts {
+    uint64_t accepted = 0, late = 0;
+    uint64_t restarts = 0; // warmups begun anew because of them
+};
+
 // The contents of a status message.
 struct StatusFacts {
-    const Origin &origin;
+    const ProcessId &process;
     State state;
     const vdna_select &select;
     const vdna_transport_counters &transport;
     const std::vector<vdna_experience> &experiences;
+    const std::string &map_hash;
     const vdna_backbone_info &backbone;
     const Stages &stages;
+    FrameCounts counts;
     uint64_t refused, unusable;
     uint32_t window_frames_max;
     Resident resident;

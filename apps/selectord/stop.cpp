@@ -16,12 +16,13 @@ namespace vdna::selectord
 namespace
 {
 
-sigset_t stop_signals()
+sigset_t our_signals()
 {
     sigset_t set;
     sigemptyset(&set);
     sigaddset(&set, SIGTERM);
     sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGHUP);
     return set;
 }
 
@@ -29,7 +30,7 @@ sigset_t stop_signals()
 
 StopOnSignal::StopOnSignal()
 {
-    const sigset_t set = stop_signals();
+    const sigset_t set = our_signals();
     pthread_sigmask(SIG_BLOCK, &set, nullptr);
     thread_ = std::thread(&StopOnSignal::wait, this);
 }
@@ -50,9 +51,10 @@ void StopOnSignal::set(vdna_backbone *backbone)
 
 void StopOnSignal::wait()
 {
-    const sigset_t set = stop_signals();
+    const sigset_t set = our_signals();
     int number;
-    sigwait(&set, &number);
+    while (sigwait(&set, &number) == 0 && number == SIGHUP)
+        reload_requested_ = true;
     requested_ = true;
     {
         const std::lock_guard<std::mutex> guard(mutex_);

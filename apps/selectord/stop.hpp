@@ -1,4 +1,4 @@
-// SIGTERM and SIGINT: a thread receives them, so that no signal handler is needed.
+// SIGTERM, SIGINT and SIGHUP: a thread receives them, so that no signal handler is needed.
 #pragma once
 
 #include <atomic>
@@ -11,12 +11,12 @@
 namespace vdna::selectord
 {
 
-// On a signal, cancels the running inference, and ends the process if that is not enough: while it
-// starts, or decodes a huge picture, which cannot be cancelled.
+// On SIGTERM and SIGINT, cancels the running inference, and ends the process if that is not enough:
+// while it starts, or decodes a huge picture, which cannot be cancelled.
 class StopOnSignal
 {
   public:
-    // From now on SIGTERM and SIGINT come here. Construct it before the first thread starts:
+    // From now on these signals come here. Construct it before the first thread starts:
     // threads inherit the mask, and a signal goes to any thread that does not block it.
     StopOnSignal();
     ~StopOnSignal();
@@ -24,8 +24,10 @@ class StopOnSignal
     StopOnSignal &operator=(const StopOnSignal &) = delete;
 
     const std::atomic<bool> &requested() const { return requested_; }
+    // SIGHUP sets it; whoever reloads the map takes it back.
+    std::atomic<bool> &reload_requested() { return reload_requested_; }
 
-    // A signal cancels this network as long as the object lives.
+    // A signal to stop cancels this network as long as the object lives.
     class Cancels
     {
       public:
@@ -44,7 +46,7 @@ class StopOnSignal
 
     std::mutex mutex_;
     vdna_backbone *backbone_ = nullptr; // guarded by the mutex
-    std::atomic<bool> requested_{false};
+    std::atomic<bool> requested_{false}, reload_requested_{false};
     std::promise<void> finished_;
     std::thread thread_; // last, because it uses the members above
 };

@@ -8,14 +8,13 @@ import os
 import random
 import shutil
 import signal
-import struct
 import subprocess
-import threading
 import time
 import unittest
 
 import own_network
-from selectord import Camera, Selectord, Watch, WithConfiguration, network_process, selectord, vdna
+from selectord import (Camera, Frames, Selectord, Watch, WithConfiguration, grey_message,
+                       network_process, selectord, vdna)
 
 WORK = os.path.abspath("backbone_process")
 STUB_MAP = os.path.join(WORK, "stub")
@@ -45,43 +44,9 @@ def map_of(name):
     return os.path.join(WORK, f"map_{name}")
 
 
-def grey_message(utime, pixels):
-    """A bot_core.image_t of raw grey pixels in one row."""
-    fingerprint = 0x14739FFE13D5F5F0
-    grey = int.from_bytes(b"GREY", "little")
-    width = height = int(len(pixels) ** 0.5)
-    if width * height != len(pixels):
-        width, height = len(pixels), 1
-    return (struct.pack(">QqiiiIi", fingerprint, utime, width, height, width, grey, len(pixels)) +
-            pixels + struct.pack(">i", 0))
-
-
 def is_alive(pid):
     """Not even a zombie."""
     return os.path.exists(f"/proc/{pid}")
-
-
-class Frames:
-    """Sends ten pictures a second, which `picture` gives by number, until the block ends."""
-
-    def __init__(self, picture):
-        self._picture, self._stop = picture, threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self.sent = 0
-
-    def __enter__(self):
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_):
-        self._stop.set()
-        self._thread.join()
-
-    def _run(self):
-        with Camera() as camera:
-            while not self._stop.wait(0.1):
-                camera.send(grey_message(self.sent * 100000, self._picture(self.sent)))
-                self.sent += 1
 
 
 class BackboneProcess(WithConfiguration):

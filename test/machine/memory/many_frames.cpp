@@ -5,6 +5,7 @@
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 
 #include <vdna_messages.h>
 #include <vdna_msg_command_t.h>
@@ -72,11 +73,10 @@ void process(const char *map_directory, uint64_t frames)
     Config config;
     config.map_directory = map_directory;
     config.warmup_frames = 50;
-    const Map map(config.map_directory);
     vdna_backbone_operations operations = *vdna_backbone_plugin();
     operations.run = run_and_go_on;
     const Backbone backbone(operations);
-    Daemon daemon(config, map, backbone);
+    Daemon daemon(config, std::make_unique<const Map>(config.map_directory), backbone);
 
     vdna_transport_config transport;
     vdna_transport_config_init(&transport);
@@ -90,7 +90,7 @@ void process(const char *map_directory, uint64_t frames)
     run.transport = connection.get();
     run.wanted = frames;
     send_frame();
-    daemon.run(connection.get(), run.stop);
+    daemon.run(connection.get(), run.stop, ServiceManager(nullptr));
 }
 
 } // namespace

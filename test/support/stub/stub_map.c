@@ -1,4 +1,5 @@
-// stub_map DIRECTORY: write the map that the stub backbone fits, two experiences.
+// stub_map DIRECTORY [NAME...]: write experiences that the stub backbone fits, by default spring
+// and winter.
 #include <sys/stat.h>
 
 #include "map_files.h"
@@ -18,8 +19,13 @@ static int write_as(const char *folder, const char *name)
 
 int main(int argc, char **argv)
 {
-    if (argc != 2)
-        return fprintf(stderr, "usage: stub_map DIRECTORY\n"), 2;
+    if (argc < 2)
+        return fprintf(stderr, "usage: stub_map DIRECTORY [NAME...]\n"), 2;
     mkdir(argv[1], 0777);
-    return write_as(argv[1], "spring") && write_as(argv[1], "winter") ? 0 : 1;
+    if (argc == 2)
+        return write_as(argv[1], "spring") && write_as(argv[1], "winter") ? 0 : 1;
+    for (int i = 2; i < argc; i++)
+        if (!write_as(argv[1], argv[i]))
+            return 1;
+    return 0;
 }

@@ -1,0 +1,66 @@
+// A map in use, with all that depends on which one it is: a reload replaces it as a whole.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <vdna/cpp/experience_localiser.hpp>
+#include <vdna/cpp/map.hpp>
+#include <vdna/cpp/selector.hpp>
+
+#include "selectord/config.hpp"
+#include "selectord/reports.hpp"
+
+namespace vdna::selectord
+{
+
+class MapSession
+{
+  public:
+    // Borrows `backbone`, which made the map. Throws Error.
+    MapSession(const Config &config, std::unique_ptr<const Map> map,
+               const vdna_backbone_info &backbone);
+    MapSession(const MapSession &) = delete;
+    MapSession &operator=(const MapSession &) = delete;
+
+    const std::vector<vdna_experience> &experiences() const { return map_->experiences(); }
+    vdna_select *select() { return selector_.get(); }
+    const vdna_select *select() const { return selector_.get(); }
+    RankingReport &ranking() { return ranking_; }
+    const std::string &map_hash() const { return map_hash_; }
+
+    // As Map::embedding_of(); valid until the next call.
+    const float *embedding_of(const vdna_backbone_frame &seen)
+    {
+        return map_->embedding_of(seen, projected_);
+    }
+
+    // Frames of this map, and of those before it.
+    FrameCounts counts() const;
+    // Go on counting where `before` ends.
+    void count_on_from(const MapSession &before) { counts_before_ = before.counts(); }
+
+    // Bytes of the map's files; of embeddings decoded from them; of the localisers; of the live
+    // histogram; and of everything else that is held with the histogram.
+    uint64_t file_bytes() const;
+    uint64_t decoded_bytes() const;
+    size_t localisers_size() const;
+    size_t histogram_size() const;
+    size_t size() const;
+    // All of them that the system cannot take back: the files only if they are locked.
+    uint64_t held_bytes(bool files_are_locked) const;
+
+  private:
+    const std::unique_ptr<const Map> map_;
+    const std::vector<std::unique_ptr<ExperienceLocaliser>> localisers_; // one for each experience
+                                                                         // if the filter is on
+    Selector selector_;                                                  // borrows them
+    std::vector<float> projected_; // room for a live frame's embedding
+    const std::string map_hash_;
+    RankingReport ranking_; // borrows it
+    FrameCounts counts_before_;
+};
+
+} // namespace vdna::selectord

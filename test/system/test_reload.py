@@ -1,0 +1,135 @@
+"""SIGHUP: the daemon opens its map again while the map from before serves.
+
+Environment: VDNA_BIN (folder of the programs), VDNA_STUB_MAP and VDNA_UNRULY_BACKBONE (of
+test/support/stub).
+"""
+import os
+import random
+import shutil
+import signal
+import subprocess
+import time
+
+import own_network
+from selectord import Frames, Selectord, Watch, WithConfiguration, memory_of, vdna
+
+WORK = os.path.abspath("reload")
+SMALL, LARGE, OTHER = (os.path.join(WORK, name) for name in ("small", "large", "other"))
+NAMES = ["spring", "winter", "autumn"]
+UNRULY = os.environ["VDNA_UNRULY_BACKBONE"]
+PICTURE = bytes(64 * 64)
+MIB = 1 << 20
+
+
+def prepare():
+    shutil.rmtree(WORK, ignore_errors=True)
+    os.makedirs(WORK)
+    for path, names in ((SMALL, NAMES[:2]), (LARGE, NAMES)):
+        subprocess.run([os.environ["VDNA_STUB_MAP"], path, *names], check=True)
+    drive = os.path.join(WORK, "drive")
+    vdna("simulate", drive, "--frames", 3)
+    vdna("build", OTHER, drive)
+
+
+def mapped_experiences(pid):
+    """Experience files in the memory of a process."""
+    with open(f"/proc/{pid}/maps", encoding="utf-8") as file:
+        return len({line.split()[-1] for line in file if ".vdna" in line})
+
+
+class Reload(WithConfiguration):
+
+    work = WORK
+
+    def setUp(self):
+        self.map = os.path.join(WORK, f"{self.id()}.map")  # a link, which replaces the map at once
+        self.use(SMALL)
+
+    def use(self, path):
+        os.symlink(path, self.map + ".new")
+        os.rename(self.map + ".new", self.map)
+
+    def daemon(self, *options):
+        return Selectord("--map", self.map, "--backbone", UNRULY, "--warmup-frames", 3, *options)
+
+    def assert_all_answered(self, watch, sent):
+        status = watch.wait_for("status", lambda status: status["received"] == sent)
+        self.assertEqual((status["processed"], status["refused"], status["skipped"]), (sent, 0, 0))
+        self.assertEqual(len(watch.of("localisation")), sent)
+
+    def test_takes_the_new_map_and_loses_no_frame(self):
+        with Watch() as watch, self.daemon() as daemon:
+            with Frames(lambda _: PICTURE) as frames:
+                self.assertEqual(len(watch.wait_for("ranking")["ranking"]), 2)
+                self.use(LARGE)
+                os.kill(daemon.pid, signal.SIGHUP)
+                ranked = [entry["experience"] for entry in watch.wait_for("ranking")["ranking"]]
+                self.assertEqual(sorted(ranked), sorted(NAMES))
+                status = watch.wait_for("status", lambda status: status["experiences"] == 3)
+                self.assertEqual(status["message"], "")
+            self.assert_all_answered(watch, frames.sent)
+        # The new map begins with a warmup, and only that.
+        warming_up = [answer["validity"] == "WARMING_UP" for answer in watch.of("localisation")]
+        switch = warming_up.index(True, 3)
+        self.assertEqual(warming_up, [True] * 3 + [False] * (switch - 3) + [True] * 3 +
+                         [False] * (len(warming_up) - switch - 3))
+        self.assertTrue(any("reloaded: 3 experiences" in line for line in daemon.log), daemon.log)
+
+    def test_a_map_that_cannot_be_used_leaves_the_one_from_before(self):
+        empty, damaged = os.path.join(WORK, "empty"), os.path.join(WORK, "damaged")
+        os.makedirs(empty, exist_ok=True)
+        shutil.copytree(SMALL, damaged, dirs_exist_ok=True)
+        with open(os.path.join(damaged, "winter.vdna"), "r+b") as file:
+            file.truncate(1000)
+        with Watch() as watch, self.daemon() as daemon:
+            with Frames(lambda _: PICTURE) as frames:
+                watch.wait_for("ranking")
+                for path, words in ((empty, self.map), (damaged, "winter.vdna"),
+                                    (OTHER, "does not compare with backbone"),
+                                    ("/nowhere", "No such file")):
+                    self.use(path)
+                    os.kill(daemon.pid, signal.SIGHUP)
+                    status = watch.wait_for("status", lambda status, words=words:
+                                            "the old map serves" in status["message"]
+                                            and words in status["message"])
+                    self.assertEqual((status["state"], status["experiences"]), ("SELECTED", 2))
+                self.use(LARGE)
+                os.kill(daemon.pid, signal.SIGHUP)
+                watch.wait_for("status", lambda status: status["message"] == "" and
+                               status["experiences"] == 3)
+            self.assert_all_answered(watch, frames.sent)
+        self.assertEqual(len(watch.of("ranking")), 2)
+        self.assertTrue(any("the old map serves" in line for line in daemon.log), daemon.log)
+
+    def test_reloads_at_random_moments_lose_nothing_and_leave_nothing(self):
+        chance = random.Random(14)
+        with Watch() as watch, self.daemon() as daemon:
+            with Frames(lambda _: PICTURE) as frames:
+                for number in range(60):
+                    if number == 10:
+                        early = memory_of(daemon.pid)["VmRSS"]
+                    self.use(chance.choice([SMALL, LARGE, "/nowhere"]))
+                    os.kill(daemon.pid, signal.SIGHUP)
+                    watch.collect(chance.uniform(0, 0.15))
+                files = len(os.listdir(f"/proc/{daemon.pid}/fd"))
+                self.use(LARGE)
+                os.kill(daemon.pid, signal.SIGHUP)
+                watch.wait_for("status", lambda status: status["experiences"] == 3)
+            self.assert_all_answered(watch, frames.sent)
+            self.assertEqual(mapped_experiences(daemon.pid), 3)
+            self.assertLessEqual(len(os.listdir(f"/proc/{daemon.pid}/fd")), files + 1)
+            grown = memory_of(daemon.pid)["VmRSS"] - early
+        print(f"50 reloads took {grown / MIB:.2f} MiB")
+        self.assertLess(grown, MIB)
+
+    def test_a_reload_does_not_keep_a_signal_from_ending_it(self):
+        for _ in range(5):
+            with self.daemon() as daemon:
+                os.kill(daemon.pid, signal.SIGHUP)
+                code, seconds = daemon.stop()
+            self.assertEqual(code, 0)
+            self.assertLess(seconds, 0.5)
+
+
+if __name__ == "__main__":
+    own_network.run_tests_apart(prepare)
