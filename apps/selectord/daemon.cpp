@@ -51,7 +51,7 @@ const char *sentence_of(uint32_t verdict)
 Daemon::Daemon(const Config &config, std::unique_ptr<const Map> map, const Backbone &backbone,
                BackboneProcess *process)
     : config_(config), backbone_(backbone), process_(process),
-      is_replay_(vdna_transport_is_log(config.url.c_str()) != 0), origin_(draw_origin()),
+      is_replay_(vdna_transport_is_log(config.url.c_str()) != 0), process_id_(identify_process()),
       session_(std::make_unique<MapSession>(config, std::move(map), backbone.info())),
       message_size_max_(std::max({ranking_growth * session_->ranking().encoded_size(),
                                   message_size_min, other_messages_size_max})),
@@ -372,12 +372,12 @@ const char *Daemon::problem() const
 
 void Daemon::publish_status(vdna_transport *transport)
 {
-    const StatusFacts now{origin_,
-                          session_->hash(),
+    const StatusFacts now{process_id_,
                           state(),
                           *session_->select(),
                           *vdna_transport_count(transport),
                           session_->experiences(),
+                          session_->map_hash(),
                           backbone_.info(),
                           stages_,
                           session_->counts(),

@@ -91,7 +91,7 @@ class Daemon
     const Backbone &backbone_;
     BackboneProcess *const process_;
     const bool is_replay_; // frames come from a log, on which nothing can be sent
-    const Origin origin_;
+    const ProcessId process_id_;
     std::unique_ptr<MapSession> session_;
     const uint32_t message_size_max_;
     std::optional<MapReload> reload_;

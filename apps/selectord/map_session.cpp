@@ -43,8 +43,8 @@ MapSession::MapSession(const Config &config, std::unique_ptr<const Map> map,
       selector_(map_->candidates(), experiences().front().identity.dim, warmup_of(config),
                 config.map_directory, {static_cast<int64_t>(config.late_seconds * 1e6)},
                 localising_of(localisers_, config.top)),
-      projected_(experiences().front().identity.dim), hash_(map_->hash()),
-      ranking_(*map_, backbone, hash_)
+      projected_(experiences().front().identity.dim), map_hash_(map_->hash()),
+      ranking_(*map_, backbone, map_hash_)
 {
 }
 

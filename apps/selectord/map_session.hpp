@@ -29,7 +29,7 @@ class MapSession
     vdna_select *select() { return selector_.get(); }
     const vdna_select *select() const { return selector_.get(); }
     RankingReport &ranking() { return ranking_; }
-    const std::string &hash() const { return hash_; } // of the map
+    const std::string &map_hash() const { return map_hash_; }
 
     // As Map::embedding_of(); valid until the next call.
     const float *embedding_of(const vdna_backbone_frame &seen)
@@ -58,7 +58,7 @@ class MapSession
                                                                          // if the filter is on
     Selector selector_;                                                  // borrows them
     std::vector<float> projected_; // room for a live frame's embedding
-    const std::string hash_;
+    const std::string map_hash_;
     RankingReport ranking_; // borrows it
     FrameCounts counts_before_;
 };

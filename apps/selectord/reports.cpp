@@ -26,13 +26,13 @@ char *borrow(const char *text)
 
 } // namespace
 
-Origin draw_origin()
+ProcessId identify_process()
 {
     std::random_device random;
     const uint64_t drawn = uint64_t{random()} << 32 | random();
-    Origin origin{static_cast<int64_t>(drawn), ""};
-    std::ifstream("/proc/sys/kernel/random/boot_id") >> origin.boot_id;
-    return origin;
+    ProcessId process{static_cast<int64_t>(drawn), ""};
+    std::ifstream("/proc/sys/kernel/random/boot_id") >> process.boot;
+    return process;
 }
 
 RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone,
@@ -221,8 +221,8 @@ vdna_msg_status_t status_of(const StatusFacts &facts, int64_t utime)
         borrow(selected ? facts.experiences[vdna_select_chosen(&facts.select)].name : "");
     message.experiences = static_cast<int32_t>(facts.experiences.size());
     message.map_hash = borrow(facts.map_hash.c_str());
-    message.instance = facts.origin.instance;
-    message.boot_id = borrow(facts.origin.boot_id.c_str());
+    message.instance = facts.process.instance;
+    message.boot_id = borrow(facts.process.boot.c_str());
     message.backbone = borrow(facts.backbone.identity.backbone);
     message.version = borrow(vdna_version());
     fill_counters(facts, message);

@@ -18,14 +18,14 @@
 namespace vdna::selectord
 {
 
-// What never changes while the daemon runs.
-struct Origin {
+// Which process this is.
+struct ProcessId {
     int64_t instance; // random
-    std::string boot_id;
+    std::string boot; // of the machine; "" if the system does not tell
 };
 
 // Draws the instance, and asks the system for the boot.
-Origin draw_origin();
+ProcessId identify_process();
 
 // The ranking message with room for all experiences of a map.
 class RankingReport
@@ -61,12 +61,6 @@ vdna_msg_localisation_t nearest_in(const vdna_experience &map, const vdna_knn_ma
 vdna_msg_localisation_t position_in(const vdna_experience &map, const vdna_localise_answer &answer,
                                     double min_confidence, int64_t utime);
 
-// What became of frames since the start of the daemon.
-struct FrameCounts {
-    uint64_t accepted = 0, late = 0;
-    uint64_t restarts = 0; // warmups begun anew because of them
-};
-
 // What the daemon is worth now.
 struct State {
     int32_t state; // VDNA_MSG_STATUS_T_...
@@ -74,14 +68,20 @@ struct State {
     int64_t frame_age_us;
 };
 
+// What became of frames since the start of the daemon.
+struct FrameCounts {
+    uint64_t accepted = 0, late = 0;
+    uint64_t restarts = 0; // warmups begun anew because of them
+};
+
 // The contents of a status message.
 struct StatusFacts {
-    const Origin &origin;
-    const std::string &map_hash;
+    const ProcessId &process;
     State state;
     const vdna_select &select;
     const vdna_transport_counters &transport;
     const std::vector<vdna_experience> &experiences;
+    const std::string &map_hash;
     const vdna_backbone_info &backbone;
     const Stages &stages;
     FrameCounts counts;

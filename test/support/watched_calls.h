@@ -89,6 +89,12 @@ static inline int was_refused(void)
     }
 
 STAND_IN(ssize_t, read, -1, (int file, void *out, size_t size), (file, out, size))
+/* What read() becomes where the sizes of buffers are checked. */
+ssize_t __wrap___read_chk(int file, void *out, size_t size, size_t room);
+ssize_t __wrap___read_chk(int file, void *out, size_t size, size_t room)
+{
+    return size <= room ? __wrap_read(file, out, size) : (abort(), -1);
+}
 STAND_IN(ssize_t, write, -1, (int file, const void *bytes, size_t size), (file, bytes, size))
 STAND_IN(int, fsync, -1, (int file), (file))
 STAND_IN(int, fstat, -1, (int file, struct stat *out), (file, out))
