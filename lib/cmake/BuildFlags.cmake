@@ -21,14 +21,20 @@ endif()
 # and messages. The rest of the C99 part calls nothing, so neither __stack_chk_fail() nor __memcpy_chk().
 add_library(vdna_hardening INTERFACE)
 target_compile_options(vdna_hardening INTERFACE -fstack-protector-strong)
-target_link_options(vdna_hardening INTERFACE LINKER:-z,relro,-z,now)
 # Needs optimisation, and has no place beside a sanitizer, which sees more.
 set(VDNA_FORTIFIES "$<AND:$<CONFIG:Release,RelWithDebInfo,MinSizeRel>,$<NOT:$<BOOL:${VDNA_SANITIZE}>>>")
 target_compile_options(vdna_hardening INTERFACE
   "$<${VDNA_FORTIFIES}:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=3>")
-# For executables with POSITION_INDEPENDENT_CODE: not every compiler makes them so by itself.
+
+# vdna_program(TARGET): compile and link an executable as those that are installed.
 include(CheckPIESupported)
-check_pie_supported()
+check_pie_supported() # not every compiler makes them position-independent by itself
+function(vdna_program target)
+  target_link_libraries(${target} PRIVATE vdna_build_flags vdna_hardening)
+  # Not of vdna_hardening: through a static library, programs of others would inherit it.
+  target_link_options(${target} PRIVATE LINKER:-z,relro,-z,now)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+endfunction()
 
 # Settings that all our libraries share. HARDENED: with vdna_hardening.
 function(vdna_library target)

@@ -32,8 +32,8 @@ def main(readelf, program, *checks):
     }
     missing = [name for name, found in expected.items() if not found]
     if missing:
-        sys.exit(f"{program}: not {', not '.join(missing)}; link it with vdna_hardening and set "
-                 "POSITION_INDEPENDENT_CODE")
+        sys.exit(f"{program}: not {', not '.join(missing)}; see vdna_program() in "
+                 "lib/cmake/BuildFlags.cmake")
 
 
 if __name__ == "__main__":
