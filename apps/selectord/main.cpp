@@ -58,6 +58,15 @@ void say_ok(const Config &config, const Map &map, const Backbone &backbone)
               << backbone.info().runtime << std::endl;
 }
 
+// Experiences that are left out, each by its file and with a remedy.
+void say_left_out(const Map &map)
+{
+    for (const std::string &reason : map.left_out())
+        std::fprintf(stderr, "vdna_selectord: %s; left out, %zu of %zu experiences serve\n",
+                     reason.c_str(), map.experiences().size(),
+                     map.experiences().size() + map.left_out().size());
+}
+
 void say_large_map(const MemoryStatement &memory)
 {
     const std::string sentence = memory.about_large_map();
@@ -98,7 +107,8 @@ program::ExitCode run(int argc, char **argv)
     StartUp start_up;
     const ResidentMemory resident;
     start_up.program = resident.read();
-    const Map map(config.map_directory);
+    const Map map(config.map_directory, {config.copy_map, config.leave_out_damaged});
+    say_left_out(map);
     start_up.map = resident.read();
 
     // The network and the loop's memory: the large allocations end here.

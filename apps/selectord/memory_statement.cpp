@@ -87,8 +87,10 @@ MemoryStatement::MemoryStatement(const Config &config, const StartUp &start_up, 
     parts_ = {
         {"program", "code, libraries and heap before the map is opened",
          static_cast<uint64_t>(start_up.program.now), true, false},
-        {"map", experiences + " experience files, mapped and shared", bytes_of(map), false,
-         !pinned},
+        {"map",
+         experiences + (config.copy_map ? " experience files, copied (map.copy)"
+                                        : " experience files, mapped and shared"),
+         bytes_of(map), false, !pinned && !config.copy_map},
         {"map", "embeddings decoded from 8-bit codes", decoded_bytes_of(map), false, false},
         {"backbone",
          std::string(backbone.info().identity.backbone) + ": runtime, network and arena",
@@ -174,7 +176,8 @@ void MemoryStatement::require_budget() const
     throw Error("memory.budget_mb is " + std::to_string(config_.budget_mb) + ", but " +
                 mib_text(held_max()) + " may be held: " + list +
                 "; raise it, or lower lcm.max_image_bytes or lcm.max_image_pixels, or use a "
-                "smaller backbone; see --print-memory");
+                "smaller backbone" +
+                (config_.copy_map ? ", or set map.copy = false" : "") + "; see --print-memory");
 }
 
 std::string MemoryStatement::about_large_map() const
