@@ -47,8 +47,10 @@ constexpr double budget_mb_max = 1u << 20;
 constexpr double nice_max = 19;
 constexpr double tolerance_max = 1e6;
 
-const std::array<Setting, 28> settings{{
+const std::array<Setting, 30> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max},
+    {"map", "copy", &Config::copy_map, 0, 0},
+    {"map", "leave_out_damaged", &Config::leave_out_damaged, 0, 0},
     {"backbone", "manifest", &Config::manifest, 1, path_max},
     {"backbone", "threads", &Config::threads, 1, threads_max},
     {"backbone", "runtime", &Config::runtime, 0, path_max},

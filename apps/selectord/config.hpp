@@ -15,6 +15,8 @@ namespace vdna::selectord
 // Every setting; the members hold the defaults.
 struct Config {
     std::string map_directory = "/var/lib/vdna/map";
+    bool copy_map = true;          // otherwise mapped: memory that the system may take back
+    bool leave_out_damaged = true; // serve a map without experiences that are damaged
     std::string manifest = VDNA_BACKBONE_DEFAULT; // bare name, or path of a .toml or a .so
     uint32_t threads = VDNA_BACKBONE_THREADS_DEFAULT;
     std::string runtime; // path of libonnxruntime.so; "" = found automatically

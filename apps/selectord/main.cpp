@@ -112,7 +112,7 @@ program::ExitCode run(int argc, char **argv)
     StartUp start_up;
     const ResidentMemory resident;
     start_up.program = resident.read();
-    auto map = std::make_unique<const Map>(config.map_directory);
+    std::unique_ptr<const Map> map = open_map(config);
     start_up.map = resident.read();
 
     // The network and the loop's memory: the large allocations end here.

@@ -35,11 +35,11 @@ bool MapReload::begin(const MapSession &serving)
 {
     if (opening_.valid() || !requested_.exchange(false))
         return false;
-    opening_ =
-        std::async(std::launch::async, [this, bytes = serving.held_bytes(config_.lock_memory)] {
-            give_way_to_frames();
-            return open(bytes);
-        });
+    opening_ = std::async(std::launch::async,
+                          [this, bytes = serving.held_bytes(stays_in_memory(config_))] {
+                              give_way_to_frames();
+                              return open(bytes);
+                          });
     return true;
 }
 
@@ -53,7 +53,7 @@ std::unique_ptr<MapSession> MapReload::take()
 
 std::unique_ptr<MapSession> MapReload::open(uint64_t serving_bytes) const
 {
-    auto map = std::make_unique<const Map>(config_.map_directory);
+    std::unique_ptr<const Map> map = open_map(config_);
     map->require_backbone(backbone_);
     auto session = std::make_unique<MapSession>(config_, std::move(map), backbone_);
 
@@ -66,7 +66,7 @@ std::unique_ptr<MapSession> MapReload::open(uint64_t serving_bytes) const
                     ", twice that of the map at the start; start the daemon again");
 
     const uint64_t held =
-        room_.held_bytes + serving_bytes + session->held_bytes(config_.lock_memory);
+        room_.held_bytes + serving_bytes + session->held_bytes(stays_in_memory(config_));
     if (config_.budget_mb > 0 && held > config_.budget_mb * mib)
         throw Error("memory.budget_mb is " + std::to_string(config_.budget_mb) + ", but " +
                     std::to_string((held + mib - 1) / mib) +

@@ -1,5 +1,6 @@
 #include "selectord/map_session.hpp"
 
+#include <cstdio>
 #include <utility>
 
 namespace vdna::selectord
@@ -36,6 +37,22 @@ Localising localising_of(const std::vector<std::unique_ptr<ExperienceLocaliser>>
 }
 
 } // namespace
+
+std::unique_ptr<const Map> open_map(const Config &config)
+{
+    auto map = std::make_unique<const Map>(config.map_directory,
+                                           MapOpening{config.copy_map, config.leave_out_damaged});
+    for (const std::string &reason : map->left_out())
+        std::fprintf(stderr, "vdna_selectord: %s; left out, %zu of %zu experiences serve\n",
+                     reason.c_str(), map->experiences().size(),
+                     map->experiences().size() + map->left_out().size());
+    return map;
+}
+
+bool stays_in_memory(const Config &config)
+{
+    return config.copy_map || config.lock_memory;
+}
 
 MapSession::MapSession(const Config &config, std::unique_ptr<const Map> map,
                        const vdna_backbone_info &backbone)
@@ -97,9 +114,9 @@ size_t MapSession::size() const
            experiences().size() * per_experience;
 }
 
-uint64_t MapSession::held_bytes(bool files_are_locked) const
+uint64_t MapSession::held_bytes(bool files_stay) const
 {
-    return decoded_bytes() + localisers_size() + size() + (files_are_locked ? file_bytes() : 0);
+    return decoded_bytes() + localisers_size() + size() + (files_stay ? file_bytes() : 0);
 }
 
 } // namespace vdna::selectord

@@ -16,6 +16,12 @@
 namespace vdna::selectord
 {
 
+// Open the map as the settings say, and print which experiences are left out. Throws Error.
+std::unique_ptr<const Map> open_map(const Config &config);
+
+// Whether the system cannot take back the memory of the map's files.
+bool stays_in_memory(const Config &config);
+
 class MapSession
 {
   public:
@@ -49,8 +55,8 @@ class MapSession
     size_t localisers_size() const;
     size_t histogram_size() const;
     size_t size() const;
-    // All of them that the system cannot take back: the files only if they are locked.
-    uint64_t held_bytes(bool files_are_locked) const;
+    // All of them that the system cannot take back: the files only if they stay in memory.
+    uint64_t held_bytes(bool files_stay) const;
 
   private:
     const std::unique_ptr<const Map> map_;

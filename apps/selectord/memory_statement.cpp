@@ -60,7 +60,7 @@ std::vector<std::pair<std::string, uint64_t>> held_by_name(const std::vector<Mem
 MemoryStatement::MemoryStatement(const Config &config, const StartUp &start_up,
                                  const Backbone &backbone, const Daemon &daemon,
                                  const vdna_transport_memory &transport)
-    : config_(config), map_held_(daemon.session().held_bytes(config.lock_memory)),
+    : config_(config), map_held_(daemon.session().held_bytes(stays_in_memory(config))),
       loading_(static_cast<uint64_t>(start_up.backbone.most + start_up.process.most))
 {
     const MapSession &map = daemon.session();
@@ -73,8 +73,10 @@ MemoryStatement::MemoryStatement(const Config &config, const StartUp &start_up,
     parts_ = {
         {"program", "code, libraries and heap before the map is opened",
          static_cast<uint64_t>(start_up.program.now), true, false},
-        {"map", experiences + " experience files, mapped and shared", map.file_bytes(), false,
-         !pinned},
+        {"map",
+         experiences + (config.copy_map ? " experience files, copied (map.copy)"
+                                        : " experience files, mapped and shared"),
+         map.file_bytes(), false, !pinned && !config.copy_map},
         {"map", "embeddings decoded from 8-bit codes", map.decoded_bytes(), false, false},
         {"backbone", backbone_name + ": runtime, network and arena",
          growth(start_up.map, start_up.backbone) + static_cast<uint64_t>(start_up.process.now),
@@ -171,7 +173,8 @@ void MemoryStatement::require_budget() const
     throw Error("memory.budget_mb is " + std::to_string(config_.budget_mb) + ", but " +
                 mib_text(held_max()) + " may be held: " + list +
                 "; raise it, or lower lcm.max_image_bytes or lcm.max_image_pixels, or use a "
-                "smaller backbone; see --print-memory");
+                "smaller backbone" +
+                (config_.copy_map ? ", or set map.copy = false" : "") + "; see --print-memory");
 }
 
 std::string MemoryStatement::about_large_map() const

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "growth.h"
 #include "journal.h"
 #include "open.h"
 #include "replace/replace.h"
@@ -14,11 +15,17 @@
  * becomes final and when its journal goes. */
 #define READS_MAX 100u
 
+/* Bytes of vdna_map_config in the version that brought it. */
+#define OLDEST_CONFIG sizeof(vdna_map_config)
+
+static const vdna_map_config map_open_defaults = {.copy = 0};
+
 /* An experience file of a directory. */
 typedef struct listed {
     vdna_map_file names;
     dev_t device; /* both 0 if there is no such file */
     ino_t inode;
+    vdna_error *damage; /* allocated: why it is left out; NULL = it is not */
 } listed;
 
 /* A directory as it was read once. */
@@ -33,6 +40,8 @@ typedef struct request {
     const char *path;
     vdna_experience *experiences; /* to be opened; NULL = only the names are wanted */
     uint32_t capacity;            /* of `experiences` */
+    vdna_map_config config;
+    uint32_t open; /* experiences that are */
     DIR *stream;
 } request;
 
@@ -77,6 +86,7 @@ static listed *append(listing *list, const char *name)
         return NULL;
     list->files = files;
     listed *file = &files[list->count++];
+    file->damage = NULL;
     snprintf(file->names.name, sizeof file->names.name, "%s", name);
     snprintf(file->names.file, sizeof file->names.file, "%s", name);
     return file;
@@ -139,6 +149,8 @@ static void examine_all(const request *wanted, listing *list)
 static void free_listing(listing *list)
 {
     vdna_journal_free(&list->journal);
+    for (uint32_t i = 0; i < list->count; i++)
+        free(list->files[i].damage);
     free(list->files);
     list->files = NULL;
     list->count = 0;
@@ -225,48 +237,88 @@ static vdna_status open_file(const request *wanted, listed *file, vdna_error *er
         file->device = about.st_dev;
         file->inode = about.st_ino;
     }
-    return vdna_open_descriptor(descriptor, path, error, out_experience);
+    return vdna_open_descriptor(descriptor, (int)wanted->config.copy, path, error, out_experience);
 }
 
-/* Check experience `last` against those before it; all compare if each does with the first. */
-static vdna_status check_last(const request *wanted, const listing *list, uint32_t last,
+/* Check the last experience, that of the last file, against those before it; all compare if each
+ * does with the first. */
+static vdna_status check_last(const request *wanted, const listed *files, uint32_t last_file,
                               vdna_error *error)
 {
-    const vdna_experience *const experiences = wanted->experiences;
-    for (uint32_t i = 0; i < last; i++)
-        if (strcmp(experiences[i].name, experiences[last].name) == 0)
+    const vdna_experience *const first = wanted->experiences, *const last =
+                                                                  first + wanted->open - 1;
+    const vdna_experience *other = first;
+    for (uint32_t i = 0; i < last_file; i++) {
+        if (files[i].damage)
+            continue;
+        if (strcmp(other->name, last->name) == 0)
             return vdna_fail(error, VDNA_ERR_MISMATCH,
                              "%s: %s and %s are both named %s, expected different names; remove or"
                              " rebuild one of them",
-                             wanted->path, list->files[i].names.name, list->files[last].names.name,
-                             experiences[i].name);
+                             wanted->path, files[i].names.name, files[last_file].names.name,
+                             last->name);
+        other++;
+    }
     vdna_error reason;
-    if (last > 0 &&
-        vdna_experience_compare(&experiences[0], &experiences[last], &reason) != VDNA_OK)
+    if (last > first && vdna_experience_compare(first, last, &reason) != VDNA_OK)
         return vdna_fail(error, VDNA_ERR_MISMATCH, "%s: %s", wanted->path, reason.text);
     return VDNA_OK;
 }
 
-static void close_files(const request *wanted, uint32_t count)
+static void close_files(request *wanted)
 {
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < wanted->open; i++)
         vdna_experience_close(&wanted->experiences[i]);
+    wanted->open = 0;
 }
 
-/* Open what was listed, as far as it goes.
- * @param out_open  how many are open, also after an error */
-static vdna_status open_files(const request *wanted, const listing *list, vdna_error *error,
-                              uint32_t *out_open)
+/* Whether a file that could not be opened is to be left out. */
+static int is_left_out(const request *wanted, vdna_status status)
 {
-    uint32_t open = 0;
+    return wanted->config.left_out &&
+           (status == VDNA_ERR_FORMAT || status == VDNA_ERR_CHECKSUM || status == VDNA_ERR_IO);
+}
+
+/* Note why a file is left out. */
+static vdna_status leave_out(const request *wanted, listed *file, const vdna_error *reason,
+                             vdna_error *error)
+{
+    file->damage = malloc(sizeof *file->damage);
+    if (!file->damage)
+        return no_memory(wanted->path, error);
+    *file->damage = *reason;
+    return VDNA_OK;
+}
+
+/* Open what was listed, as far as it goes. */
+static vdna_status open_files(request *wanted, const listing *list, vdna_error *error)
+{
+    vdna_error reason;
+    vdna_status first_damage = VDNA_OK;
     vdna_status status = check_count(wanted->path, list->count, wanted->capacity, error);
-    while (status == VDNA_OK && open < list->count) {
-        status = open_file(wanted, &list->files[open], error, &wanted->experiences[open]);
-        if (status == VDNA_OK)
-            status = check_last(wanted, list, open++, error);
+    for (uint32_t i = 0; i < list->count && status == VDNA_OK; i++) {
+        listed *file = &list->files[i];
+        status = open_file(wanted, file, &reason, &wanted->experiences[wanted->open]);
+        if (status == VDNA_OK) {
+            wanted->open++;
+            status = check_last(wanted, list->files, i, error);
+        } else if (is_left_out(wanted, status)) {
+            first_damage = first_damage == VDNA_OK ? status : first_damage;
+            status = leave_out(wanted, file, &reason, error);
+        } else {
+            vdna_fail(error, status, "%s", reason.text);
+        }
     }
-    *out_open = open;
+    if (status == VDNA_OK && wanted->open == 0)
+        return vdna_fail(error, first_damage, "%s", list->files[0].damage->text);
     return status;
+}
+
+static void report_left_out(const request *wanted, const listing *list)
+{
+    for (uint32_t i = 0; i < list->count; i++)
+        if (list->files[i].damage)
+            wanted->config.left_out(wanted->config.context, list->files[i].damage->text);
 }
 
 /* Read a map between two listings. If they are the same, so was the map at the moment when the
@@ -276,21 +328,22 @@ static vdna_status open_files(const request *wanted, const listing *list, vdna_e
  * @param out_list  the second listing, to be freed
  * @param out_is_settled  0 if anything changed
  * @return VDNA_OK, and all are open if that was wanted and nothing changed; otherwise none is */
-static vdna_status read_once(const request *wanted, vdna_error *error, listing *out_list,
+static vdna_status read_once(request *wanted, vdna_error *error, listing *out_list,
                              int *out_is_settled)
 {
     listing before;
-    uint32_t open = 0;
     vdna_status found = VDNA_OK, status = list(wanted, error, &before);
     if (status == VDNA_OK && wanted->experiences)
-        found = open_files(wanted, &before, error, &open);
+        found = open_files(wanted, &before, error);
     if (status == VDNA_OK)
         status = list(wanted, error, out_list);
     *out_is_settled = status != VDNA_OK || is_same(&before, out_list);
     if (status == VDNA_OK)
         status = found;
     if (status != VDNA_OK || !*out_is_settled)
-        close_files(wanted, open);
+        close_files(wanted);
+    else
+        report_left_out(wanted, &before);
     free_listing(&before);
     return status;
 }
@@ -356,17 +409,39 @@ vdna_status vdna_map_list(const char *directory, uint32_t capacity, vdna_error *
 }
 
 /* see vdna/map.h */
-vdna_status vdna_map_open(const char *directory, uint32_t capacity, vdna_error *error,
-                          vdna_experience *out_experiences, uint32_t *out_count)
+void vdna_map_config_init(vdna_map_config *config)
+{
+    vdna_config_write(config, OLDEST_CONFIG, &map_open_defaults, sizeof map_open_defaults);
+}
+
+/* see vdna/map.h */
+vdna_status vdna_map_open_as(const vdna_map_config *config, const char *directory,
+                             uint32_t capacity, vdna_error *error, vdna_experience *out_experiences,
+                             uint32_t *out_count)
 {
     if (!directory || !out_experiences || !out_count)
         return vdna_fail(error, VDNA_ERR_ARG, "map to open: no directory or no place for it");
     listing files;
-    request wanted = {directory, out_experiences, capacity, NULL};
+    request wanted = {directory, out_experiences, capacity, map_open_defaults, 0, NULL};
+    if (!vdna_config_read(config, OLDEST_CONFIG, &wanted.config, sizeof wanted.config) ||
+        wanted.config.copy > 1)
+        return vdna_fail(error, VDNA_ERR_ARG,
+                         "%s: cannot be opened as wanted: copy is neither 0 nor 1, or the config"
+                         " is not from vdna_map_config_init()",
+                         directory);
     const vdna_status status = read_map(&wanted, error, &files);
     if (status != VDNA_OK)
         return status;
-    *out_count = files.count;
+    *out_count = wanted.open;
     free_listing(&files);
     return VDNA_OK;
+}
+
+/* see vdna/map.h */
+vdna_status vdna_map_open(const char *directory, uint32_t capacity, vdna_error *error,
+                          vdna_experience *out_experiences, uint32_t *out_count)
+{
+    vdna_map_config config;
+    vdna_map_config_init(&config);
+    return vdna_map_open_as(&config, directory, capacity, error, out_experiences, out_count);
 }

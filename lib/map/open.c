@@ -9,7 +9,8 @@
 
 #include "read.h"
 
-/* The bytes of a file, read-only; they stay when the file is replaced or deleted. */
+/* The bytes of a file. They stay when the file is replaced or deleted, and those of a copy also
+ * when it is written to or cut short. */
 typedef struct file_bytes {
     void *bytes;
     size_t size;
@@ -20,8 +21,8 @@ static vdna_status refused(const char *path, const char *what, vdna_error *error
     return vdna_fail(error, VDNA_ERR_IO, "%s: cannot %s: %s", path, what, strerror(errno));
 }
 
-static vdna_status map_descriptor(int descriptor, const char *path, vdna_error *error,
-                                  file_bytes *out_file)
+/* @param out_size  >= 1 */
+static vdna_status size_of(int descriptor, const char *path, vdna_error *error, size_t *out_size)
 {
     struct stat about;
     if (fstat(descriptor, &about) != 0)
@@ -35,14 +36,58 @@ static vdna_status map_descriptor(int descriptor, const char *path, vdna_error *
     if ((uintmax_t)about.st_size > SIZE_MAX)
         return vdna_fail(error, VDNA_ERR_UNSUPPORTED,
                          "%s: the file is too large for the address space of this machine", path);
+    *out_size = (size_t)about.st_size;
+    return VDNA_OK;
+}
 
-    out_file->size = (size_t)about.st_size;
-    out_file->bytes = mmap(NULL, out_file->size, PROT_READ, MAP_PRIVATE, descriptor, 0);
-    if (out_file->bytes == MAP_FAILED)
+static vdna_status map_file(int descriptor, const char *path, vdna_error *error, file_bytes *file)
+{
+    file->bytes = mmap(NULL, file->size, PROT_READ, MAP_PRIVATE, descriptor, 0);
+    if (file->bytes == MAP_FAILED)
         return refused(path, "map into memory", error);
     /* Every byte is about to be read, in order; only advice, so its result does not matter. */
-    posix_madvise(out_file->bytes, out_file->size, POSIX_MADV_WILLNEED);
+    posix_madvise(file->bytes, file->size, POSIX_MADV_WILLNEED);
     return VDNA_OK;
+}
+
+/* @return VDNA_OK, also at the end of a file that was cut short meanwhile, whose missing bytes are
+ * 0: its checksum is wrong; VDNA_ERR_IO */
+static vdna_status read_bytes(int descriptor, const char *path, vdna_error *error,
+                              const file_bytes *file)
+{
+    size_t size = 0;
+    ssize_t got = 1;
+    while (size < file->size && got != 0) {
+        got = read(descriptor, (char *)file->bytes + size, file->size - size);
+        if (got < 0 && errno != EINTR)
+            return refused(path, "read", error);
+        size += got > 0 ? (size_t)got : 0;
+    }
+    return VDNA_OK;
+}
+
+/* Pages of our own rather than the heap's, so that closing is the same for both. */
+static vdna_status copy_file(int descriptor, const char *path, vdna_error *error, file_bytes *file)
+{
+    file->bytes =
+        mmap(NULL, file->size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (file->bytes == MAP_FAILED)
+        return vdna_fail(error, VDNA_ERR_NOMEM, "%s: no memory for a copy of its %zu bytes", path,
+                         file->size);
+    const vdna_status status = read_bytes(descriptor, path, error, file);
+    if (status != VDNA_OK)
+        munmap(file->bytes, file->size);
+    return status;
+}
+
+static vdna_status take_bytes(int descriptor, int copy, const char *path, vdna_error *error,
+                              file_bytes *out_file)
+{
+    const vdna_status status = size_of(descriptor, path, error, &out_file->size);
+    if (status != VDNA_OK)
+        return status;
+    return copy ? copy_file(descriptor, path, error, out_file)
+                : map_file(descriptor, path, error, out_file);
 }
 
 static const char *remedy_of(vdna_status status)
@@ -60,13 +105,13 @@ static const char *remedy_of(vdna_status status)
 }
 
 /* see open.h */
-vdna_status vdna_open_descriptor(int descriptor, const char *path, vdna_error *error,
+vdna_status vdna_open_descriptor(int descriptor, int copy, const char *path, vdna_error *error,
                                  vdna_experience *out_experience)
 {
     if (descriptor < 0)
         return refused(path, "open", error);
     file_bytes file = {NULL, 0};
-    vdna_status status = map_descriptor(descriptor, path, error, &file);
+    vdna_status status = take_bytes(descriptor, copy, path, error, &file);
     close(descriptor);
     if (status != VDNA_OK)
         return status;
@@ -88,7 +133,7 @@ vdna_status vdna_experience_open(const char *path, vdna_error *error,
 {
     if (!path || !out_experience)
         return vdna_fail(error, VDNA_ERR_ARG, "experience to open: no path or no place for it");
-    return vdna_open_descriptor(open(path, VDNA_OPEN_FLAGS), path, error, out_experience);
+    return vdna_open_descriptor(open(path, VDNA_OPEN_FLAGS), 0, path, error, out_experience);
 }
 
 /* see vdna/map.h */

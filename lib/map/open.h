@@ -12,8 +12,9 @@
 
 /* vdna_experience_open() of a descriptor, which is closed in any case.
  * @param descriptor  what open() returned; if that is -1, errno says why
+ * @param copy  whether to copy the file, which is mapped otherwise
  * @param path  for the error */
-vdna_status vdna_open_descriptor(int descriptor, const char *path, vdna_error *error,
+vdna_status vdna_open_descriptor(int descriptor, int copy, const char *path, vdna_error *error,
                                  vdna_experience *out_experience);
 
 #endif

@@ -1,6 +1,7 @@
 #include "rules.h"
 
 #include <fail.h>
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -48,10 +49,10 @@ static vdna_status check_scales(const char *field, const float *scales, uint32_t
                                 vdna_error *reason)
 {
     for (size_t f = 0; scales && f < frames; f++)
-        if (!isfinite(scales[f]) || scales[f] < 0)
+        if (!(scales[f] >= 0 && scales[f] <= VDNA_EMBEDDING_MAX / 127))
             return vdna_fail(reason, VDNA_ERR_ARG,
-                             "%s of frame %zu is %g, expected a finite number from 0", field, f,
-                             (double)scales[f]);
+                             "%s of frame %zu is %g, expected a finite number from 0 to %g", field,
+                             f, (double)scales[f], (double)(VDNA_EMBEDDING_MAX / 127));
     return VDNA_OK;
 }
 
@@ -131,21 +132,35 @@ static vdna_status check_counts(const vdna_experience *e, vdna_error *reason)
     return VDNA_OK;
 }
 
-/* No early exit, so that the loop vectorises: good numbers are the rule. */
-static int all_finite(const float *values, size_t count)
+/* No early exit, so that the loop vectorises: good numbers are the rule. NaN is not within. */
+static int all_within(const float *values, size_t count, float limit)
 {
-    int finite = 1;
+    int within = 1;
     for (size_t i = 0; i < count; i++)
-        finite &= isfinite(values[i]) ? 1 : 0;
-    return finite;
+        within &= fabsf(values[i]) <= limit ? 1 : 0;
+    return within;
+}
+
+static vdna_status check_embedding(const float *values, size_t count, size_t f, vdna_error *reason)
+{
+    if (all_within(values, count, VDNA_EMBEDDING_MAX))
+        return VDNA_OK;
+    if (all_within(values, count, FLT_MAX))
+        return vdna_fail(reason, VDNA_ERR_ARG,
+                         "the embedding of frame %zu has a number beyond %g, by which no frame can"
+                         " be localised",
+                         f, (double)VDNA_EMBEDDING_MAX);
+    return vdna_fail(reason, VDNA_ERR_NONFINITE,
+                     "the embedding of frame %zu has a NaN or an infinity", f);
 }
 
 static vdna_status check_numbers(const vdna_experience *e, vdna_error *reason)
 {
     for (size_t f = 0; f < e->frames; f++) {
-        if (!all_finite(e->embeddings + f * e->identity.dim, e->identity.dim))
-            return vdna_fail(reason, VDNA_ERR_NONFINITE,
-                             "the embedding of frame %zu has a NaN or an infinity", f);
+        const size_t dim = e->identity.dim;
+        const vdna_status status = check_embedding(e->embeddings + f * dim, dim, f, reason);
+        if (status != VDNA_OK)
+            return status;
         if (!isfinite(e->frame_grey[f]))
             return vdna_fail(reason, VDNA_ERR_NONFINITE,
                              "the grey level of frame %zu is %g, expected 0 to 255", f,

@@ -21,7 +21,8 @@ STUB_MAP = os.path.join(WORK, "stub")
 UNRULY = os.environ["VDNA_UNRULY_BACKBONE"]
 NETS = os.path.join(os.environ["VDNA_SHARED"], "cases", "hostile", "nets")
 BUDGET = 0.3  # seconds
-SETTINGS = f"[backbone]\nbudget_ms = {BUDGET * 1000:.0f}\n"
+SETTINGS = "[camera]\nhealth = false\n" \
+    f"[backbone]\nbudget_ms = {BUDGET * 1000:.0f}\n"
 DARK, BRIGHT = bytes(64 * 64), b"\xff" * (64 * 64)
 
 

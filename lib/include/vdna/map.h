@@ -21,6 +21,9 @@ extern "C" {
 #define VDNA_FRAME_WGS84 "wgs84"   /**< position frame: Earth-centred metres made from GPS */
 #define VDNA_FRAME_LOCAL "local"   /**< position frame: metres of a map of one's own, unnamed */
 #define VDNA_ORDER_SIZE 32u        /**< bytes of `order` in vdna_experience, its NUL included */
+#define VDNA_EMBEDDING_MAX                                                 \
+    1e15f /**< greatest magnitude of a number of an embedding: the squared \
+               distance of two frames is then far within a float */
 
 /** One experience. Reading fills it; to write one, fill it and call vdna_experience_write(). */
 typedef struct vdna_experience {
@@ -32,7 +35,8 @@ typedef struct vdna_experience {
     uint32_t frames;                   /**< >= 1 */
     const uint32_t *counts;            /**< [bins][neurons] */
     const uint32_t *mass;              /**< [neurons], sums of the counts */
-    const float *embeddings;           /**< [frames][dim], finite: what frames are localised by; a
+    const float *embeddings;           /**< [frames][dim], each number within
+                                            VDNA_EMBEDDING_MAX: what frames are localised by; a
                                             live frame's is vdna_identity_project() of what the
                                             network gives */
     const int64_t *frame_utime;        /**< [frames], camera stamps in microseconds */
@@ -41,8 +45,8 @@ typedef struct vdna_experience {
     const double *frame_position; /**< [frames][3], metres in `position_frame`, three NaNs = this
                                        frame has no position; NULL = no positions */
     const float *frame_grey;      /**< [frames], mean grey level 0..255 */
-    const void *file_bytes;       /**< [file_size], the whole mapped file, read-only; NULL = not
-                                       from a file. Closing unmaps it */
+    const void *file_bytes;       /**< [file_size], the whole file, mapped or copied, read-only;
+                                       NULL = not from a file. Closing unmaps it */
     size_t file_size;             /**< bytes; 0 = not from a file */
     char position_frame[VDNA_NAME_SIZE]; /**< the Cartesian frame of the positions, which only
                                               compare within it: VDNA_FRAME_WGS84, or the name of a
@@ -59,19 +63,22 @@ typedef struct vdna_experience {
                                         that of the network's last layer, which tells whether a run
                                         is like any of the map's. Codes of vdna/int8.h; NULL = not
                                         stored */
-    const float *last_layer_scale; /**< [frames], of the codes: finite, >= 0; NULL = not stored */
+    const float *last_layer_scale; /**< [frames], of the codes: from 0 to VDNA_EMBEDDING_MAX / 127;
+                                        NULL = not stored */
     uint32_t last_layer_dim;       /**< >= 1; 0 = not stored */
     uint32_t checksum;             /**< CRC-32C of the file; 0 = not from a file */
     const int8_t *embedding_codes; /**< [frames][dim], codes of vdna/int8.h that the file has in
                                         place of `embeddings`, which a reader decodes into memory
                                         of the experience; NULL = the file has floats */
-    const float *embedding_scale;  /**< [frames], of the codes: finite, >= 0; NULL = no codes */
+    const float *embedding_scale;  /**< [frames], of the codes: from 0 to VDNA_EMBEDDING_MAX / 127;
+                                        NULL = no codes */
 } vdna_experience;
 
 /** Open an experience file: map it, check every byte of it, point into it.
  *  @param path  a regular file; while it is open it may be replaced by a rename or deleted, but not
  *               written to or cut short in place: its pages are shared with the file system, and
- *               reading one that is gone raises SIGBUS. vdna_experience_write() renames
+ *               reading one that is gone raises SIGBUS. vdna_experience_write() renames;
+ *               vdna_map_open_as() can copy files instead
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_experience  holds the file, to be ended with vdna_experience_close()
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT; VDNA_ERR_CHECKSUM;
@@ -153,6 +160,35 @@ VDNA_API vdna_status vdna_map_list(const char *directory, uint32_t capacity, vdn
  * vdna_map_count(), vdna_experience_open() and vdna_experience_compare() return */
 VDNA_API vdna_status vdna_map_open(const char *directory, uint32_t capacity, vdna_error *error,
                                    vdna_experience *out_experiences, uint32_t *out_count);
+
+/** How to open a map. Fill with vdna_map_config_init(). */
+typedef struct vdna_map_config {
+    uint32_t struct_size; /**< set by vdna_map_config_init() */
+    uint32_t copy;        /**< 0 = map the files, as vdna_experience_open() does (default); 1 = copy
+                               them into memory of the process, which the system cannot take back:
+                               whatever happens to a file then, the experience stays as it was */
+    /** Leave out files that are damaged or cannot be read, and report each one here; NULL = refuse
+     *  a map with such a file (default). Called by vdna_map_open_as() before it succeeds.
+     *  @param context  `context`
+     *  @param reason  names the file, says what is wrong and what to do; ends with the call */
+    void (*left_out)(void *context, const char *reason);
+    void *context; /**< for `left_out` */
+} vdna_map_config;
+
+/** Write the defaults.
+ *  @param config  overwritten; NULL is allowed */
+VDNA_API void vdna_map_config_init(vdna_map_config *config);
+
+/** Open a map as vdna_map_open() does, and as `config` says.
+ *  @param config  needed for this call only
+ *  @param directory, capacity, error, out_experiences, out_count  as for vdna_map_open();
+ * *out_count does not count what is left out
+ *  @return what vdna_map_open() returns; VDNA_ERR_ARG for a bad config. Files that are left out are
+ *          those for which vdna_experience_open() would return VDNA_ERR_FORMAT, VDNA_ERR_CHECKSUM
+ * or VDNA_ERR_IO; if all would be, the map is refused for the first one */
+VDNA_API vdna_status vdna_map_open_as(const vdna_map_config *config, const char *directory,
+                                      uint32_t capacity, vdna_error *error,
+                                      vdna_experience *out_experiences, uint32_t *out_count);
 
 /** A change of a map: experience files that appear, or replace others, together or not at all. One
  *  thread at a time. It keeps to the directory that was opened, whatever becomes of its path. */

@@ -470,7 +470,7 @@ static void codes_that_break_a_rule_are_refused(void **state)
          "embedding in __metadata__ is too long, expected at most 255 bytes"},
         {"mid grid=1x5 last=top centred", "mid grid=1x5 last=top", "comparable is not"},
     };
-    const float nan = NAN, infinity = INFINITY, negative = -1, huge = 3e38f;
+    const float nan = NAN, infinity = INFINITY, negative = -1, huge = 1e13f;
     file coded = *(const file *)*state;
     load(&coded, coded_experience());
     for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
@@ -479,16 +479,31 @@ static void codes_that_break_a_rule_are_refused(void **state)
         assert_refused(&f, VDNA_ERR_FORMAT, edits[i].reason);
     }
     static const char *const scales[] = {"frame_embedding_scale", "frame_last_layer_scale"};
-    const float *const bad[] = {&nan, &infinity, &negative};
-    for (size_t i = 0; i < 6; i++) {
+    const float *const bad[] = {&nan, &infinity, &negative, &huge};
+    for (size_t i = 0; i < 8; i++) {
         file f = coded;
         char reason[64];
         snprintf(reason, sizeof reason, "%s of frame 1 is ", scales[i % 2]);
         edit_data(&f, scales[i % 2], 1, bad[i / 2], 4);
         assert_refused(&f, VDNA_ERR_FORMAT, reason);
     }
-    edit_data(&coded, "frame_embedding_scale", 0, &huge, 4);
-    assert_refused(&coded, VDNA_ERR_FORMAT, "the embedding of frame 0 has a NaN or an infinity");
+}
+
+static void numbers_too_large_to_localise_by_are_refused(void **state)
+{
+    const float most[] = {1e15f, -1e15f}, beyond[] = {1.1e15f, 3.4e38f, -1.1e15f};
+    file good = *(const file *)*state;
+    vdna_experience e;
+    for (size_t i = 0; i < 2; i++)
+        edit_data(&good, "embeddings", 6 + i, &most[i], 4);
+    assert_int_equal(open_bytes(&good, NULL, &e), VDNA_OK);
+    vdna_experience_close(&e);
+    for (size_t i = 0; i < 3; i++) {
+        file f = good;
+        edit_data(&f, "embeddings", 7, &beyond[i], 4);
+        assert_refused(&f, VDNA_ERR_FORMAT,
+                       "the embedding of frame 1 has a number beyond 1e+15, by which no frame");
+    }
 }
 
 static void a_newer_format_version_is_unsupported_and_says_what_to_do(void **state)
@@ -883,6 +898,7 @@ int main(void)
         CASE(a_projection_is_kept_since_version_4),
         CASE(a_projection_that_breaks_a_rule_is_refused),
         CASE(codes_that_break_a_rule_are_refused),
+        CASE(numbers_too_large_to_localise_by_are_refused),
         CASE(a_newer_format_version_is_unsupported_and_says_what_to_do),
         CASE(metadata_that_breaks_a_rule_is_refused),
         CASE(a_tensor_that_breaks_a_rule_is_refused),

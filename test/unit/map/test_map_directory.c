@@ -119,6 +119,203 @@ static void one_bad_file_refuses_the_map_and_is_named(void **state)
     assert_map_refused(made, VDNA_ERR_IO, "/b.vdna: not a regular file");
 }
 
+/* What is left out of a map that is opened. */
+typedef struct left_out {
+    unsigned count;
+    char reasons[4][512];
+} left_out;
+
+static void note(void *context, const char *reason)
+{
+    left_out *noted = context;
+    assert_in_range(noted->count, 0, 3);
+    snprintf(noted->reasons[noted->count++], sizeof *noted->reasons, "%s", reason);
+}
+
+static vdna_map_config config_of(uint32_t copy, left_out *noted)
+{
+    vdna_map_config config;
+    vdna_map_config_init(&config);
+    config.copy = copy;
+    if (noted)
+        config.left_out = note;
+    config.context = noted;
+    return config;
+}
+
+static void one_bad_file_is_left_out_and_named_if_wanted(void **state)
+{
+    const directory *made = *state;
+    vdna_experience map[5];
+    uint32_t count = 0;
+    left_out noted = {.count = 0};
+    const vdna_map_config config = config_of(0, &noted);
+    save_file(path_in(made, "a.vdna"), "not an experience", 17);
+    write_as(made, "b.vdna", "winter", sample_experience());
+    assert_int_equal(mkdir(path_in(made, "c.vdna"), 0700), 0);
+    write_as(made, "d.vdna", "spring", sample_experience());
+    write_as(made, "e.vdna", "summer", sample_experience());
+    unsigned char bytes[4096];
+    const size_t size = load_file(path_in(made, "e.vdna"), bytes, sizeof bytes);
+    bytes[size - 1] ^= 1;
+    save_file(path_in(made, "e.vdna"), bytes, size);
+
+    assert_int_equal(vdna_map_open_as(&config, made->path, 5, NULL, map, &count), VDNA_OK);
+    assert_int_equal(count, 2);
+    assert_string_equal(map[0].name, "winter");
+    assert_string_equal(map[1].name, "spring");
+    vdna_experience_close(&map[0]);
+    vdna_experience_close(&map[1]);
+    assert_int_equal(noted.count, 3);
+    assert_non_null(strstr(noted.reasons[0], "/a.vdna: the header claims"));
+    assert_non_null(strstr(noted.reasons[1], "/c.vdna: not a regular file"));
+    assert_non_null(strstr(noted.reasons[2], "/e.vdna: the bytes have CRC-32C"));
+}
+
+static void a_map_of_bad_files_alone_is_refused_for_the_first(void **state)
+{
+    const directory *made = *state;
+    vdna_experience map[2];
+    vdna_error error = {""};
+    uint32_t count = 77;
+    left_out noted = {.count = 0};
+    const vdna_map_config config = config_of(0, &noted);
+    save_file(path_in(made, "a.vdna"), "not an experience", 17);
+    save_file(path_in(made, "b.vdna"), "", 0);
+    assert_int_equal(vdna_map_open_as(&config, made->path, 2, &error, map, &count),
+                     VDNA_ERR_FORMAT);
+    assert_non_null(strstr(error.text, "/a.vdna: the header claims"));
+    assert_int_equal(count, 77);
+    assert_int_equal(noted.count, 0);
+}
+
+/* Two of one name, and two that do not compare, are a mistake in a map, not damage. */
+static void what_is_not_damage_refuses_the_map_all_the_same(void **state)
+{
+    const directory *made = *state;
+    vdna_experience map[4], other = sample_experience();
+    vdna_error error = {""};
+    uint32_t count = 77;
+    left_out noted = {.count = 0};
+    const vdna_map_config config = config_of(0, &noted);
+    save_file(path_in(made, "a.vdna"), "not an experience", 17);
+    write_as(made, "b.vdna", "winter", sample_experience());
+    save_file(path_in(made, "c.vdna"), "not an experience", 17);
+    write_as(made, "d.vdna", "winter", sample_experience());
+    assert_int_equal(vdna_map_open_as(&config, made->path, 4, &error, map, &count),
+                     VDNA_ERR_MISMATCH);
+    assert_non_null(strstr(error.text, "b.vdna and d.vdna are both named winter"));
+    strcpy(other.identity.preprocessing, "bgr 8x8");
+    write_as(made, "d.vdna", "summer", other);
+    assert_int_equal(vdna_map_open_as(&config, made->path, 4, &error, map, &count),
+                     VDNA_ERR_MISMATCH);
+    assert_non_null(strstr(error.text, "winter and summer do not compare"));
+    assert_int_equal(noted.count, 0);
+}
+
+static void a_config_that_says_nothing_of_ours_is_refused(void **state)
+{
+    const directory *made = *state;
+    vdna_experience map[1];
+    vdna_error error = {""};
+    uint32_t count = 77;
+    vdna_map_config config = config_of(2, NULL);
+    assert_int_equal(vdna_map_open_as(&config, made->path, 1, &error, map, &count), VDNA_ERR_ARG);
+    assert_non_null(strstr(error.text, "copy is neither 0 nor 1"));
+    config = config_of(0, NULL);
+    config.struct_size++;
+    assert_int_equal(vdna_map_open_as(&config, made->path, 1, &error, map, &count), VDNA_ERR_ARG);
+    assert_int_equal(vdna_map_open_as(NULL, made->path, 1, &error, map, &count), VDNA_ERR_ARG);
+}
+
+/* In place: the same file with other bytes, another length, or none. */
+static void a_copy_stays_when_its_file_is_changed_in_place(void **state)
+{
+    const directory *made = *state;
+    vdna_experience map[1];
+    uint32_t count = 0;
+    const vdna_map_config config = config_of(1, NULL);
+    const char *path = path_in(made, "a.vdna");
+    write_as(made, "a.vdna", "winter", coded_experience());
+    unsigned char before[4096];
+    const size_t size = load_file(path, before, sizeof before);
+    assert_int_equal(vdna_map_open_as(&config, made->path, 1, NULL, map, &count), VDNA_OK);
+    FILE *file = fopen(path, "r+b");
+    assert_true(file && fputs("other bytes", file) > 0 && fclose(file) == 0);
+    assert_memory_equal(map[0].file_bytes, before, size);
+    assert_int_equal(truncate(path, 0), 0);
+    assert_int_equal(map[0].file_size, size);
+    assert_memory_equal(map[0].file_bytes, before, size);
+    vdna_experience_close(&map[0]);
+}
+
+static const char *cut_short;
+
+static int cut_at_the_second_read(const char *function)
+{
+    static int reads;
+    if (strcmp(function, "read") == 0 && reads++ == 0)
+        assert_int_equal(truncate(cut_short, 100), 0);
+    return 0;
+}
+
+static void a_file_cut_short_while_it_is_copied_is_damaged(void **state)
+{
+    const directory *made = *state;
+    vdna_experience map[1];
+    vdna_error error = {""};
+    uint32_t count = 77;
+    const vdna_map_config config = config_of(1, NULL);
+    write_as(made, "a.vdna", "winter", sample_experience());
+    cut_short = path_in(made, "a.vdna");
+    watch = cut_at_the_second_read;
+    const vdna_status status = vdna_map_open_as(&config, made->path, 1, &error, map, &count);
+    watch = NULL;
+    assert_true(status == VDNA_ERR_FORMAT || status == VDNA_ERR_CHECKSUM);
+    assert_non_null(strstr(error.text, "/a.vdna: "));
+}
+
+static void a_copy_that_cannot_be_made_is_named(void **state)
+{
+    const directory *made = *state;
+    vdna_experience map[1];
+    vdna_error error = {""};
+    uint32_t count = 77;
+    const vdna_map_config config = config_of(1, NULL);
+    write_as(made, "a.vdna", "winter", sample_experience());
+    refuse("read", 0, EIO);
+    assert_int_equal(vdna_map_open_as(&config, made->path, 1, &error, map, &count), VDNA_ERR_IO);
+    assert_true(was_refused());
+    assert_non_null(strstr(error.text, "/a.vdna: cannot read: Input/output error"));
+    refuse("read", 0, EINTR);
+    assert_int_equal(vdna_map_open_as(&config, made->path, 1, &error, map, &count), VDNA_OK);
+    assert_true(was_refused());
+    vdna_experience_close(&map[0]);
+}
+
+/* Neither what has to be decoded nor a reason for leaving something out. */
+static void without_memory_a_map_is_refused_and_nothing_left_out(void **state)
+{
+    const directory *made = *state;
+    vdna_experience map[2];
+    vdna_error error = {""};
+    left_out noted = {.count = 0};
+    const vdna_map_config config = config_of(0, &noted);
+    write_as(made, "a.vdna", "winter", coded_experience());
+    save_file(path_in(made, "b.vdna"), "not an experience", 17);
+    uint32_t count = 77, refused = 0;
+    for (int calls = 0, was = 1; was; calls++) {
+        refuse("malloc", calls, ENOMEM);
+        const vdna_status status = vdna_map_open_as(&config, made->path, 2, &error, map, &count);
+        was = was_refused();
+        refused += status == VDNA_ERR_NOMEM;
+        assert_true(status == VDNA_OK || status == VDNA_ERR_NOMEM);
+        if (status == VDNA_OK)
+            vdna_experience_close(&map[0]);
+    }
+    assert_true(refused > 1);
+}
+
 static void an_experience_that_does_not_compare_refuses_the_map(void **state)
 {
     const directory *made = *state;
@@ -488,6 +685,14 @@ int main(void)
         CASE(more_experiences_than_there_is_room_for_are_refused),
         CASE(two_experiences_of_one_name_are_refused),
         CASE(one_bad_file_refuses_the_map_and_is_named),
+        CASE(one_bad_file_is_left_out_and_named_if_wanted),
+        CASE(a_map_of_bad_files_alone_is_refused_for_the_first),
+        CASE(what_is_not_damage_refuses_the_map_all_the_same),
+        CASE(a_config_that_says_nothing_of_ours_is_refused),
+        CASE(a_copy_stays_when_its_file_is_changed_in_place),
+        CASE(a_file_cut_short_while_it_is_copied_is_damaged),
+        CASE(a_copy_that_cannot_be_made_is_named),
+        CASE(without_memory_a_map_is_refused_and_nothing_left_out),
         CASE(an_experience_that_does_not_compare_refuses_the_map),
         CASE(files_are_listed_in_the_byte_order_of_their_names),
         CASE(a_list_without_a_place_is_refused),

@@ -47,11 +47,14 @@ void *__wrap_mmap(void *at, size_t size, int rights, int flags, int descriptor, 
     return fails("mmap") ? MAP_FAILED : __real_mmap(at, size, rights, flags, descriptor, offset);
 }
 
+static size_t write_at_most; /* bytes in one call; 0 = any number */
+
 ssize_t __real_write(int descriptor, const void *bytes, size_t size);
 ssize_t __wrap_write(int descriptor, const void *bytes, size_t size);
 ssize_t __wrap_write(int descriptor, const void *bytes, size_t size)
 {
-    return fails("write") ? -1 : __real_write(descriptor, bytes, size);
+    const size_t most = write_at_most > 0 && size > write_at_most ? write_at_most : size;
+    return fails("write") ? -1 : __real_write(descriptor, bytes, most);
 }
 
 int __real_fsync(int descriptor);
@@ -91,6 +94,23 @@ static void a_file_that_cannot_be_examined_or_mapped_is_named(void **state)
     assert_name(path, "winter");
 }
 
+static void a_copy_for_which_there_is_no_memory_is_named(void **state)
+{
+    const directory *made = *state;
+    vdna_experience e;
+    vdna_error error;
+    uint32_t count = 77;
+    vdna_map_config config;
+    vdna_map_config_init(&config);
+    config.copy = 1;
+    assert_int_equal(write_named(path_in(made, "a.vdna"), "winter", NULL), VDNA_OK);
+    let("mmap", ENOMEM, 0, 0);
+    assert_int_equal(vdna_map_open_as(&config, made->path, 1, &error, &e, &count), VDNA_ERR_NOMEM);
+    assert_non_null(strstr(error.text, "a.vdna: no memory for a copy of its "));
+    assert_int_equal(vdna_map_open_as(&config, made->path, 1, &error, &e, &count), VDNA_OK);
+    vdna_experience_close(&e);
+}
+
 static void a_signal_during_a_write_does_no_harm(void **state)
 {
     const char *path = path_in(*state, "a.vdna");
@@ -104,6 +124,20 @@ static void a_signal_during_a_write_does_no_harm(void **state)
     assert_int_equal(write_named(path, "spring", NULL), VDNA_OK);
     assert_name(path, "spring");
     assert_int_equal(script.calls, 3);
+}
+
+static void a_disk_that_takes_few_bytes_at_a_time_gets_them_all(void **state)
+{
+    const char *path = path_in(*state, "a.vdna");
+    for (write_at_most = 1; write_at_most < 20; write_at_most += 6) {
+        assert_int_equal(write_named(path, "winter", NULL), VDNA_OK);
+        assert_name(path, "winter");
+        /* A disk that is then full. */
+        let("write", 0, 0, ENOSPC);
+        assert_int_equal(write_named(path, "summer", NULL), VDNA_ERR_IO);
+        assert_name(path, "winter");
+    }
+    write_at_most = 0;
 }
 
 static void a_file_that_does_not_reach_the_disk_leaves_the_old_one(void **state)
@@ -142,7 +176,9 @@ int main(void)
 #define CASE(test) cmocka_unit_test_setup_teardown(test, set_up_directory, tear_down_directory)
     const struct CMUnitTest tests[] = {
         CASE(a_file_that_cannot_be_examined_or_mapped_is_named),
+        CASE(a_copy_for_which_there_is_no_memory_is_named),
         CASE(a_signal_during_a_write_does_no_harm),
+        CASE(a_disk_that_takes_few_bytes_at_a_time_gets_them_all),
         CASE(a_file_that_does_not_reach_the_disk_leaves_the_old_one),
         CASE(a_directory_that_does_not_reach_the_disk_is_named),
         CASE(a_directory_that_does_not_support_sync_is_accepted),

@@ -382,6 +382,31 @@ static void one_experience_is_written_after_an_interrupted_update_is_finished(vo
     assert_int_equal(files_in(made->path), 1);
 }
 
+static void a_replacement_refused_at_any_call_leaves_the_old_file_or_the_new_one(void **state)
+{
+    const directory *made = *state;
+    const char *path = path_in(made, "winter.vdna");
+    float before[64], after[64];
+    const vdna_experience old = experience_of("winter", 1, before);
+    const vdna_experience new = experience_of("winter", 2, after);
+    vdna_status status = VDNA_ERR_IO;
+    int olds = 0;
+    for (int calls = 0, was = 1; was; calls++) {
+        remove_all_files(made);
+        assert_int_equal(vdna_experience_write(&old, path, NULL), VDNA_OK);
+        refuse(NULL, calls, ENOSPC);
+        status = vdna_experience_write(&new, path, NULL);
+        was = was_refused();
+        vdna_experience found;
+        assert_int_equal(vdna_experience_open(path, NULL, &found), VDNA_OK);
+        assert_true(found.embeddings[0] == 2 || (found.embeddings[0] == 1 && status != VDNA_OK));
+        olds += found.embeddings[0] == 1;
+        vdna_experience_close(&found);
+    }
+    assert_int_equal(status, VDNA_OK);
+    assert_true(olds > 3);
+}
+
 static void without_locks_a_map_is_updated_all_the_same(void **state)
 {
     const directory *made = *state;
@@ -456,6 +481,7 @@ int main(void)
                                         set_up_directory_in_memory, tear_down_directory),
         CASE(a_crash_while_a_journal_is_made_leaves_nothing_for_long),
         CASE(one_experience_is_written_after_an_interrupted_update_is_finished),
+        CASE(a_replacement_refused_at_any_call_leaves_the_old_file_or_the_new_one),
         CASE(without_locks_a_map_is_updated_all_the_same),
         CASE(a_call_that_an_update_cannot_do_without_is_named),
         cmocka_unit_test(a_path_that_is_too_long_is_refused),

@@ -19,19 +19,27 @@
 namespace vdna
 {
 
+/** How to open a map; vdna_map_config says what that means. */
+struct MapOpening {
+    bool copy = false;      /**< hold copies of the files, which are mapped otherwise */
+    bool leave_out = false; /**< leave out damaged experiences; otherwise they refuse the map */
+};
+
 class Map
 {
   public:
     /** Open all experiences; throws Error, also if two of them do not compare. */
-    explicit Map(const std::string &directory) : directory_(directory)
+    explicit Map(const std::string &directory, MapOpening how = {}) : directory_(directory)
     {
         vdna_error error{};
         uint32_t count = 0;
         require(vdna_map_count(directory.c_str(), &error, &count), error);
-        // At least one, so that vdna_map_open() reports an empty directory.
+        // At least one, so that vdna_map_open_as() reports an empty directory.
         experiences_.resize(std::max(count, 1u));
-        require(vdna_map_open(directory.c_str(), static_cast<uint32_t>(experiences_.size()), &error,
-                              experiences_.data(), &count),
+        const vdna_map_config config = config_of(how);
+        require(vdna_map_open_as(&config, directory.c_str(),
+                                 static_cast<uint32_t>(experiences_.size()), &error,
+                                 experiences_.data(), &count),
                 error);
         experiences_.resize(count);
     }
@@ -45,6 +53,9 @@ class Map
 
     /** At least one. */
     const std::vector<vdna_experience> &experiences() const { return experiences_; }
+
+    /** Why each experience that was left out was. */
+    const std::vector<std::string> &left_out() const { return left_out_; }
 
     /** 16 hexadecimal digits over the names and the content of the files: equal for the same map.
      */
@@ -107,6 +118,19 @@ class Map
     }
 
   private:
+    vdna_map_config config_of(MapOpening how)
+    {
+        vdna_map_config config;
+        vdna_map_config_init(&config);
+        config.copy = how.copy ? 1 : 0;
+        if (how.leave_out)
+            config.left_out = [](void *reasons, const char *reason) {
+                static_cast<std::vector<std::string> *>(reasons)->emplace_back(reason);
+            };
+        config.context = &left_out_;
+        return config;
+    }
+
     // A map of one layer for both is all that a manifest of the paper's protocol gives.
     static const char *as_it_was_made(const vdna_identity &map, const vdna_identity &backbone)
     {
@@ -118,6 +142,7 @@ class Map
 
     std::string directory_;
     std::vector<vdna_experience> experiences_;
+    std::vector<std::string> left_out_;
 };
 
 } // namespace vdna

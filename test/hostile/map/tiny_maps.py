@@ -1,0 +1,90 @@
+"""Maps of three small experiences, in two versions that do not compare, for tests that build them
+again and again. A version is its number of frames."""
+
+import hashlib
+import json
+import os
+import random
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+VDNA = Path(os.environ["VDNA_BIN"]) / "vdna"
+OLD, NEW = 6, 5
+MANIFEST = """
+name = "tiny"
+model = "tiny_network.onnx"
+sha256 = "{sha256}"
+source = "own"
+licence = "MIT"
+[input]
+name = "image"
+width = 2
+height = 2
+colour = "RGB"
+mean = [0.0, 0.0, 0.0]
+std = [1.0, 1.0, 1.0]
+resize = "stretch"
+interpolation = "area"
+[[taps]]
+output = "tokens"
+layout = "samples_neurons"
+[embedding]
+output = "mean"
+l2_normalise = false
+"""
+EXPERIENCES = ["night", "summer", "winter"]
+
+
+def _write_pictures(folder, count):
+    folder.mkdir(parents=True)
+    chance = random.Random(str(folder.name) + str(count))
+    for i in range(count):
+        (folder / f"{i:03}.ppm").write_bytes(b"P6\n4 4\n255\n" + chance.randbytes(48))
+
+
+class TinyMaps(unittest.TestCase):
+    versions = (OLD, NEW)  # of which each test has a map and its pictures
+
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory(prefix="vdna-map-")
+        self.addCleanup(scratch.cleanup)
+        self.folder = Path(scratch.name)
+        network = Path(os.environ["VDNA_TINY_NETWORK"])
+        shutil.copy(network, self.folder / "tiny_network.onnx")
+        (self.folder / "tiny.toml").write_text(
+            MANIFEST.format(sha256=hashlib.sha256(network.read_bytes()).hexdigest()))
+        for version in self.versions:
+            for name in EXPERIENCES:
+                _write_pictures(self.folder / str(version) / name, version)
+            self.build(str(version) + ".map", version)
+
+    def build_arguments(self, folder, version):
+        return ["build", "--force", "--backbone", "./tiny.toml", folder,
+                *(f"{version}/{name}" for name in EXPERIENCES)]
+
+    def build(self, folder, version):
+        done = subprocess.run([VDNA, *self.build_arguments(folder, version)], cwd=self.folder,
+                              text=True, capture_output=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def restore(self, version):
+        """Make the map one of a version."""
+        shutil.rmtree(self.folder / "map", ignore_errors=True)
+        shutil.copytree(self.folder / f"{version}.map", self.folder / "map")
+
+    def version(self, folder):
+        """The version of a map, which must be one for all its experiences."""
+        done = subprocess.run([VDNA, "info", "--json", folder], cwd=self.folder, text=True,
+                              capture_output=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)["experiences"]
+        self.assertEqual([e["experience"] for e in found], EXPERIENCES)
+        versions = {e["frames"] for e in found}
+        self.assertEqual(len(versions), 1, done.stdout)
+        return versions.pop()
+
+    def files(self, folder):
+        return sorted(path.name for path in (self.folder / folder).iterdir())
