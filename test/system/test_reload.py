@@ -50,6 +50,8 @@ class Reload(WithConfiguration):
         os.rename(self.map + ".new", self.map)
 
     def daemon(self, *options):
+        if "-c" not in options:
+            options += ("-c", self.configure("[map]\ncopy = false\nleave_out_damaged = false\n"))
         return Selectord("--map", self.map, "--backbone", UNRULY, "--warmup-frames", 3, *options)
 
     def assert_all_answered(self, watch, sent):

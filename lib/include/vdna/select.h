@@ -11,9 +11,10 @@
  *  Localising. With localisers of vdna/localise.h, one for each candidate, a frame's place is what
  *  the place filter says, with a confidence: vdna_select_where(). The frames of the warmup go into
  *  the live mean of each; the last VDNA_LOCALISE_LEAD_FRAMES of them are kept until the choice, and
- *  then lead the filters of the chosen to where the robot is. In the `top` nearest experiences at once, the most confident of their
- *  filters answers; the nearer experience of equals. Without localisers it is the nearest frame of
- *  the chosen experience, by the Euclidean distance of the embeddings as they are.
+ *  then lead the filters of the chosen to where the robot is. In the `top` nearest experiences at
+ * once, the most confident of their filters answers; the nearer experience of equals. Without
+ * localisers it is the nearest frame of the chosen experience, by the Euclidean distance of the
+ * embeddings as they are.
  *
  *  Time. Stamps go through vdna/camera_time.h first: late frames are refused and counted, and the
  *  unit of the stamps is recognised. A warmup begins anew, with the frame at hand, when camera time

@@ -109,26 +109,26 @@ static void frames_after_the_choice_are_placed_in_the_chosen_experience(void **s
 static void frames_of_the_warmup_go_into_every_live_mean(void **state)
 {
     (void)state;
-    enum { LEADS = VDNA_LOCALISE_LEAD_FRAMES };
+    const uint32_t leads = VDNA_LOCALISE_LEAD_FRAMES;
     vdna_select_config config = config_of_two(1);
-    config.warmup_frames = LEADS + 2;
+    config.warmup_frames = leads + 2;
     vdna_select *select;
     assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_OK);
     double before[2];
     for (uint32_t which = 0; which < 2; which++)
         before[which] = vdna_localise_mean(localisers[which])[0];
-    for (uint32_t i = 0; i < LEADS + 1; i++)
+    for (uint32_t i = 0; i < leads + 1; i++)
         feed(select, i + 1, (double)i / FRAMES);
     for (uint32_t which = 0; which < 2; which++) /* the map's own mean is worth 3 frames */
         assert_true(fabs(vdna_localise_mean(localisers[which])[0] - (before[which] + 0.25)) < 1e-6);
 
-    feed(select, LEADS + 2, (LEADS + 1.0) / FRAMES);
+    feed(select, leads + 2, (leads + 1.0) / FRAMES);
     float second[DIM];
     at_angle(1.0 / FRAMES, second);
     assert_true(fabs(vdna_localise_mean(localisers[1])[0] - (1 + second[0]) / 5) < 1e-6);
     assert_true(vdna_localise_evidence(localisers[1]) == 0);
     assert_true(vdna_localise_evidence(localisers[0]) > 0);
-    assert_in_range(vdna_select_where(select)->answer.frame, LEADS, LEADS + 1);
+    assert_in_range(vdna_select_where(select)->answer.frame, leads, leads + 1);
 }
 
 static void a_warmup_anew_forgets_the_place(void **state)

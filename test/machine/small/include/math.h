@@ -1,4 +1,5 @@
-/* All that the library without a C library may use of <math.h>: macros, no function; see machine.py. */
+/* All that the library without a C library may use of <math.h>: macros, no function; see
+ * machine.py. */
 #ifndef MATH_H
 #define MATH_H
 
