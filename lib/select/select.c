@@ -236,35 +236,35 @@ static vdna_status find_nearest_frame(const vdna_select *select, const float *em
     return vdna_knn(embedding, select->config.dim, chosen->embeddings, chosen->frames, 1, match);
 }
 
-/* Let the localisers of the nearest experiences follow, and hear the most confident. */
-static vdna_status follow(vdna_select *select, const float *embedding, vdna_knn_match *match)
+/* Let the localisers of the nearest experiences follow, and hear the most confident. They refuse
+ * nothing: the embedding was checked, and they have its size. */
+static void follow(vdna_select *select, const float *embedding)
 {
     const vdna_select_config *config = &select->config;
     vdna_select_position *const best = &select->position;
     for (uint32_t i = 0; i < config->top && i < config->candidate_count; i++) {
         const uint32_t candidate = select->ranking[i].candidate;
         vdna_localise_answer answer;
-        const vdna_status status =
-            vdna_localise_feed(config->localisers[candidate], embedding, &answer);
-        if (status != VDNA_OK)
-            return status;
+        vdna_localise_feed(config->localisers[candidate], embedding, &answer);
         if (i > 0 && answer.confidence <= best->answer.confidence)
             continue;
         best->candidate = candidate;
         best->answer = answer;
     }
-    match->index = best->answer.nearest;
-    match->distance_sq = 2 * best->answer.nearest_distance;
-    return VDNA_OK;
 }
 
 static vdna_status localise(vdna_select *select, const float *embedding, vdna_select_answer *answer)
 {
-    const vdna_status status = select->config.localisers
-                                   ? follow(select, embedding, &answer->match)
-                                   : find_nearest_frame(select, embedding, &answer->match);
-    answer->localised = status == VDNA_OK;
-    return status;
+    if (!select->config.localisers) {
+        const vdna_status status = find_nearest_frame(select, embedding, &answer->match);
+        answer->localised = status == VDNA_OK;
+        return status;
+    }
+    follow(select, embedding);
+    answer->match.index = select->position.answer.nearest;
+    answer->match.distance_sq = 2 * select->position.answer.nearest_distance;
+    answer->localised = 1;
+    return VDNA_OK;
 }
 
 static float *lead(const vdna_select *select, uint64_t number)
@@ -273,32 +273,27 @@ static float *lead(const vdna_select *select, uint64_t number)
 }
 
 /* Take a frame of the window: the one that it pushes out of the leads goes into the live means. */
-static vdna_status take_lead(vdna_select *select, const float *embedding)
+static void take_lead(vdna_select *select, const float *embedding)
 {
     const vdna_select_config *config = &select->config;
     if (!config->localisers)
-        return VDNA_OK;
+        return;
     float *const place = lead(select, select->lead_count);
-    vdna_status status = VDNA_OK;
     if (select->lead_count >= VDNA_LOCALISE_LEAD_FRAMES)
-        for (uint32_t i = 0; i < config->candidate_count && status == VDNA_OK; i++)
-            status = vdna_localise_warm_up(config->localisers[i], place);
+        for (uint32_t i = 0; i < config->candidate_count; i++)
+            vdna_localise_warm_up(config->localisers[i], place);
     memcpy(place, embedding, config->dim * sizeof *embedding);
     select->lead_count++;
-    return status;
 }
 
 /* Let the localisers of the chosen follow the leads to where the robot is. */
-static vdna_status follow_leads(vdna_select *select)
+static void follow_leads(vdna_select *select)
 {
     uint64_t number = 0;
     if (select->lead_count > VDNA_LOCALISE_LEAD_FRAMES)
         number = select->lead_count - VDNA_LOCALISE_LEAD_FRAMES;
-    vdna_status status = VDNA_OK;
-    vdna_knn_match unused;
-    for (; number < select->lead_count && status == VDNA_OK; number++)
-        status = follow(select, lead(select, number), &unused);
-    return status;
+    for (; number < select->lead_count; number++)
+        follow(select, lead(select, number));
 }
 
 /* Whether a frame in order comes later than a whole warmup after the newest of the window. */
@@ -345,16 +340,16 @@ static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, 
     uint32_t events = 0;
     vdna_status status =
         vdna_window_add(select->window, utime, frame->taps, frame->tap_count, &events);
-    if (status == VDNA_OK && (events & VDNA_WINDOW_ADDED))
-        status = take_lead(select, frame->embedding);
+    if (events & VDNA_WINDOW_ADDED)
+        take_lead(select, frame->embedding);
     if (status == VDNA_OK && (events & VDNA_WINDOW_COMPLETE))
         status = choose(select);
-    if (status == VDNA_OK && (events & VDNA_WINDOW_COMPLETE))
-        status = follow_leads(select);
     if (status != VDNA_OK) {
         warm_up_again(select);
         return status;
     }
+    if (events & VDNA_WINDOW_COMPLETE)
+        follow_leads(select);
     answer->newly_ranked = (events & VDNA_WINDOW_COMPLETE) != 0;
     return events & VDNA_WINDOW_ADDED ? VDNA_OK : localise(select, frame->embedding, answer);
 }

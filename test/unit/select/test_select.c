@@ -148,6 +148,7 @@ static void later_frames_are_localised_in_the_chosen_experience(void **state)
     assert_int_equal(vdna_select_chosen(select), 0);
     assert_int_equal(answer.match.index, 1);
     assert_true(answer.match.distance_sq == 4);
+    assert_null(vdna_select_where(select)); /* which localisers tell */
 }
 
 static void later_frames_do_not_change_the_choice_nor_the_live_histogram(void **state)
