@@ -47,7 +47,7 @@ constexpr double budget_mb_max = 1u << 20;
 constexpr double nice_max = 19;
 constexpr double tolerance_max = 1e6;
 
-const std::array<Setting, 30> settings{{
+const std::array<Setting, 32> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max},
     {"map", "copy", &Config::copy_map, 0, 0},
     {"map", "leave_out_damaged", &Config::leave_out_damaged, 0, 0},
@@ -66,6 +66,8 @@ const std::array<Setting, 30> settings{{
     {"camera", "health", &Config::frame_health, 0, 0},
     {"camera", "stale_seconds", &Config::stale_seconds, 0, warmup_seconds_max},
     {"lcm", "url", &Config::url, 0, path_max},
+    {"lcm", "sources", &Config::sources, 0, path_max},
+    {"lcm", "require_protection", &Config::require_protection, 0, 0},
     {"lcm", "camera", &Config::camera_channel, 1, channel_max},
     {"lcm", "late_seconds", &Config::late_seconds, 0, warmup_seconds_max},
     {"lcm", "command", &Config::command_channel, 1, channel_max},

@@ -37,7 +37,9 @@ struct Config {
     double tolerance = 5;     // metres, or place numbers: as far apart, frames are the same place
     bool frame_health = true; // leave out pictures that show nothing, or nothing new
     double stale_seconds = 0; // without a used frame, until STALE; 0 = 1 s and two frames' time
-    std::string url;          // "" = $LCM_DEFAULT_URL, else LCM's default
+    std::string sources; // IPv4 addresses that may send, "10.0.0.2,10.0.0.3"; "" = see transport.h
+    bool require_protection = false; // refuse camera frames without a checksum
+    std::string url;                 // "" = $LCM_DEFAULT_URL, else LCM's default
     std::string camera_channel = VDNA_CHANNEL_CAMERA;
     std::string command_channel = VDNA_CHANNEL_COMMAND;
     std::string ranking_channel = VDNA_CHANNEL_RANKING;

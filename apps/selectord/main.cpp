@@ -6,6 +6,8 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <sstream>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -34,8 +36,19 @@ namespace
 using namespace vdna;
 using namespace vdna::selectord;
 
-// Borrows from `config`.
-vdna_transport_config transport_config(const Config &config, const Daemon &daemon)
+// The parts of a list with commas.
+std::vector<std::string> split(const std::string &list)
+{
+    std::vector<std::string> parts;
+    std::istringstream in(list);
+    for (std::string part; std::getline(in, part, ',');)
+        parts.push_back(part);
+    return parts;
+}
+
+// Borrows from all.
+vdna_transport_config transport_config(const Config &config, const Daemon &daemon,
+                                       const std::vector<const char *> &sources)
 {
     vdna_transport_config transport;
     vdna_transport_config_init(&transport);
@@ -44,6 +57,9 @@ vdna_transport_config transport_config(const Config &config, const Daemon &daemo
     transport.max_message_bytes = daemon.message_size_max();
     transport.camera_channel = config.camera_channel.c_str();
     transport.command_channel = config.command_channel.c_str();
+    transport.sources = sources.data();
+    transport.source_count = sources.size();
+    transport.require_protection = config.require_protection;
     return transport;
 }
 
@@ -130,7 +146,11 @@ program::ExitCode run(int argc, char **argv)
         start_up.mailbox = process->shared_bytes();
     }
     Daemon daemon(config, std::move(map), backbone, process ? &*process : nullptr);
-    const vdna_transport_config transport = transport_config(config, daemon);
+    const std::vector<std::string> addresses = split(config.sources);
+    std::vector<const char *> sources;
+    for (const std::string &address : addresses)
+        sources.push_back(address.c_str());
+    const vdna_transport_config transport = transport_config(config, daemon, sources);
     const MemoryStatement memory(config, start_up, backbone, daemon, memory_of(transport));
     if (invocation->print_memory) {
         invocation->json ? memory.print_json(std::cout) : memory.print(std::cout);

@@ -182,6 +182,11 @@ void fill_counters(const StatusFacts &facts, vdna_msg_status_t &message)
     message.malformed_datagrams = static_cast<int64_t>(counters.malformed_datagrams);
     message.repeated_datagrams = static_cast<int64_t>(counters.repeated_datagrams);
     message.foreign_datagrams = static_cast<int64_t>(counters.foreign_datagrams);
+    message.unprotected_frames = static_cast<int64_t>(counters.unprotected_frames);
+    message.corrupted_frames = static_cast<int64_t>(counters.corrupted_frames);
+    message.repeated_frames = static_cast<int64_t>(counters.repeated_frames);
+    message.reordered_frames = static_cast<int64_t>(counters.reordered_frames);
+    message.lost_frames = static_cast<int64_t>(counters.lost_frames);
     message.restarts = static_cast<int64_t>(facts.counts.restarts);
 }
 

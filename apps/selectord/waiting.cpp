@@ -143,7 +143,20 @@ class Others
 
 uint64_t messages_of(const Facts &facts)
 {
-    return facts.camera.received + facts.camera.camera_rejected;
+    return facts.camera.received + facts.camera.camera_rejected + facts.camera.repeated_frames +
+           facts.camera.reordered_frames;
+}
+
+// Why none of the messages between two moments was received as a frame.
+Cause rejection(const vdna_transport_counters &then, const vdna_transport_counters &now)
+{
+    if (now.corrupted_frames > then.corrupted_frames)
+        return Cause::corrupted;
+    if (now.unprotected_frames > then.unprotected_frames)
+        return Cause::unprotected;
+    if (now.repeated_frames > then.repeated_frames || now.reordered_frames > then.reordered_frames)
+        return Cause::repeated;
+    return Cause::other_type;
 }
 
 // Why no frame between two moments made progress. `restarts_before`: a restart matters until the
@@ -155,7 +168,7 @@ Cause obstacle(const Facts &then, const Facts &now, uint64_t restarts_before)
     if (messages_of(now) == messages_of(then))
         return Cause::silence;
     if (received == 0)
-        return Cause::other_type;
+        return rejection(then.camera, now.camera);
     if (now.camera.oversized - then.camera.oversized == received)
         return Cause::oversized;
     if (accepted == 0 && now.refused > then.refused)
@@ -308,7 +321,25 @@ Verdict Waiting::describe(Cause cause, const Facts &now) const
         if (!replay_)
             out.add(" for %ld s", silent_s);
         write_silence(out, config_, others);
+        if (now.camera.foreign_datagrams > 0)
+            out.add("; other machines send, which may not: name them in [lcm] sources");
         return verdict;
+    case Cause::corrupted:
+        out.add(
+            "all frames are damaged on their way, their checksums are false: look at the network "
+            "and at the sender, on ");
+        out.add_channel(camera.c_str());
+        break;
+    case Cause::unprotected:
+        out.add("all frames are without the protection that [lcm] require_protection demands: send "
+                "them by `vdna camera`, or set it to false; on ");
+        out.add_channel(camera.c_str());
+        break;
+    case Cause::repeated:
+        out.add("all frames came before, as when a recording is sent again: `vdna command reset` "
+                "makes them count; on ");
+        out.add_channel(camera.c_str());
+        break;
     case Cause::other_type:
         out.add("all messages on ");
         out.add_channel(camera.c_str());

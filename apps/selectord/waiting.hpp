@@ -29,7 +29,19 @@ struct Facts {
     const char *restart_reason = ""; // "because ...": the newest of these warmups
 };
 
-enum class Cause { none, silence, other_type, oversized, refused, restarts, still, late };
+enum class Cause {
+    none,
+    silence,
+    other_type,
+    corrupted,
+    unprotected,
+    repeated,
+    oversized,
+    refused,
+    restarts,
+    still,
+    late
+};
 
 // What is wrong, if anything is.
 struct Verdict {

@@ -256,6 +256,11 @@ nlohmann::ordered_json json_of(const vdna_msg_status_t &message)
                                 {"malformed_datagrams", message.malformed_datagrams},
                                 {"repeated_datagrams", message.repeated_datagrams},
                                 {"foreign_datagrams", message.foreign_datagrams},
+                                {"unprotected_frames", message.unprotected_frames},
+                                {"corrupted_frames", message.corrupted_frames},
+                                {"repeated_frames", message.repeated_frames},
+                                {"reordered_frames", message.reordered_frames},
+                                {"lost_frames", message.lost_frames},
                                 {"restarts", message.restarts}};
     for (const auto &[name, duration] : stages_of(message))
         json[name] = json_of(*duration);

@@ -656,6 +656,12 @@ class CommandLine(WithConfiguration):
         self.assertEqual(result.returncode, 2)
         self.assertIn(": cannot be read: No such file", result.stderr)
 
+    def test_sources_that_are_no_addresses_are_refused(self):
+        for sources in ("10.0.0", "10.0.0.2,robot", "10.0.0.2,,10.0.0.3"):
+            result = selectord("--map", MAP, "-c", self.configure(f"[lcm]\nsources = '{sources}'\n"))
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn("is no IPv4 address such as", result.stderr)
+
     def test_two_channels_of_one_name_are_refused(self):
         result = selectord("-c", self.configure("[lcm]\ncamera = 'A'\nstatus = 'A'\n"))
         self.assertEqual(result.returncode, 2)

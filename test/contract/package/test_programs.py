@@ -38,7 +38,9 @@ class TheInstalledPrograms(unittest.TestCase):
         pictures, map_ = self.folder / "summer", self.folder / "map"
         self.succeed(VDNA, "simulate", pictures, "--frames", "4", "--size", "160x120")
         self.succeed(VDNA, "build", map_, pictures)
-        said = self.succeed(SELECTORD, "--map", map_, "--check", LD_DEBUG="files")
+        here = self.folder / "here.toml"  # a process of the network's own would say nothing
+        here.write_text("[backbone]\nprocess = false\n", encoding="ascii")
+        said = self.succeed(SELECTORD, "-c", here, "--map", map_, "--check", LD_DEBUG="files")
         self.assertIn("OK: ", said)
         opened = set(re.findall(r"file=(\S*libonnxruntime\S*) \[0\];  dynamically loaded", said))
         self.assertEqual(opened, {str(PREFIX / "lib" / "vdna" / "libonnxruntime.so")})

@@ -205,6 +205,38 @@ void messages_of_another_type_are_named_by_fingerprint_and_type(void **)
     assert_int_equal(s.printed, 2);
 }
 
+void frames_that_their_protection_keeps_out_name_it(void **)
+{
+    Seconds damaged, bare, again;
+    for (Seconds *s : {&damaged, &bare, &again})
+        s->judge();
+    damaged.pass(3, [](Facts &facts) {
+        facts.camera.camera_rejected += 10;
+        facts.camera.corrupted_frames += 10;
+    });
+    assert_true(damaged.says("their checksums are false") && damaged.says("CAMERA"));
+    bare.pass(3, [](Facts &facts) {
+        facts.camera.camera_rejected += 10;
+        facts.camera.unprotected_frames += 10;
+    });
+    assert_true(bare.says("[lcm] require_protection"));
+    again.pass(3, [](Facts &facts) { facts.camera.repeated_frames += 10; });
+    assert_true(again.says("`vdna command reset`"));
+    Seconds overtaken;
+    overtaken.judge();
+    overtaken.pass(3, [](Facts &facts) { facts.camera.reordered_frames += 10; });
+    assert_true(overtaken.verdict.cause == Cause::repeated);
+}
+
+void in_silence_machines_that_may_not_send_are_told(void **)
+{
+    Seconds s;
+    s.judge();
+    s.pass(3, [](Facts &facts) { facts.camera.foreign_datagrams += 10; });
+    assert_true(s.verdict.cause == Cause::silence);
+    assert_true(s.says("name them in [lcm] sources"));
+}
+
 void messages_of_the_right_type_are_malformed(void **)
 {
     Seconds s;
@@ -448,6 +480,8 @@ int main()
         cmocka_unit_test(sixteen_channels_of_longest_names_fit),
         cmocka_unit_test(listening_begins_before_the_first_word_and_ends_with_the_pictures),
         cmocka_unit_test(messages_of_another_type_are_named_by_fingerprint_and_type),
+        cmocka_unit_test(frames_that_their_protection_keeps_out_name_it),
+        cmocka_unit_test(in_silence_machines_that_may_not_send_are_told),
         cmocka_unit_test(messages_of_the_right_type_are_malformed),
         cmocka_unit_test(oversized_frames_name_the_size_the_limit_and_the_key),
         cmocka_unit_test(what_was_wrong_with_the_last_messages_is_still_said_in_silence),
