@@ -93,8 +93,9 @@ class TwoCores(WithConfiguration):
     def test_answers_keep_their_deadline_beside_a_load_on_both_processors(self):
         processors = two_processors()
         pinned = ("taskset", "-c", ",".join(map(str, processors)))
+        repeated = self.configure("[camera]\nhealth = false\n")  # the drive comes again and again
         with Listener("VDNA_LOCALISATION") as answers, Watch() as watch, Camera() as camera, \
-                Selectord("--map", MAP, "--warmup-frames", 30, prefix=pinned):
+                Selectord("--map", MAP, "--warmup-frames", 30, "-c", repeated, prefix=pinned):
             with Camera30(camera, jpegs_in(LIVE)) as camera30:
                 for _ in range(30):
                     answers.next()
