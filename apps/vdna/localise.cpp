@@ -262,7 +262,7 @@ void add_localise(CLI::App &app)
     command
         ->add_option("--skip", options->warmup_frames,
                      "the first N frames are the warmup: they count for the mean of the live "
-                     "frames, and are not localised")
+                     "frames, the last ten lead the filter, and none is localised")
         ->type_name("N")
         ->capture_default_str();
     command
