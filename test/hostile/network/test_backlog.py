@@ -90,7 +90,10 @@ class Backlog(unittest.TestCase):
         self.assertEqual(receiver.counters, {
             "received": 3, "skipped": 0, "oversized": 2, "rejected": 3, "commands": 2, "lost": 0,
             "incomplete": 0, "dropped": 0, "malformed": 1, "foreign": 0,
-            "repeated": 4})  # the second fragments of what was not kept
+            "repeated": 4,  # the second fragments of what was not kept
+            "unprotected_frames": 2,  # that came whole
+            "corrupted_frames": 0, "repeated_frames": 0, "reordered_frames": 0, "lost_frames": 0,
+            "stream_count": 0})
 
     def test_after_a_sleep_the_first_frame_is_new(self):
         for url, size, fragment, seconds in (
