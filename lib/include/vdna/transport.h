@@ -115,8 +115,8 @@ typedef struct vdna_transport_counters {
                                      that  were given up, are oversized or on other channels */
     uint64_t foreign_datagrams;   /**< from machines that may not send */
     /* By the end-to-end protection of camera frames; over any network, and of logs. */
-    uint64_t unprotected_frames; /**< well-formed camera messages without it; with
-                                      require_protection they are in `rejected` */
+    uint64_t unprotected_frames; /**< well-formed camera messages that came whole and are without
+                                      it; with require_protection they are in `rejected` */
     uint64_t corrupted_frames;   /**< of `rejected`, well-formed camera messages whose checksum is
                                       false or whose protection is not as SPEC-lcm has it */
     uint64_t repeated_frames; /**< that came before, or are 64 or more numbers older than the newest
