@@ -24,9 +24,10 @@ std::vector<Answer> follow(const Drive &drive, const vdna_experience &map,
                            const std::function<Answer(const vdna_localise_answer &)> &answer_of)
 {
     ExperienceLocaliser localiser(about_its_mean(map), drive.tolerance);
-    uint32_t next = drive.begin;
-    for (; next + VDNA_LOCALISE_LEAD_FRAMES < drive.begin + drive.warmup_frames; next++)
-        require(vdna_localise_warm_up(localiser.get(), drive.embedding(next)), map.name);
+    localiser.warm_up(
+        drive.warmup_frames, [&](uint32_t i) { return drive.embedding(drive.begin + i); },
+        map.name);
+    uint32_t next = drive.begin + drive.warmup_frames;
     std::vector<Answer> answers;
     vdna_localise_answer found{};
     for (const uint32_t frame : drive.live) {

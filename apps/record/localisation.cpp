@@ -120,12 +120,8 @@ Followed follow_in(const vdna_experience &experience, const Recording &warmup,
     const Truth truth(live, experience, with_altitude);
     ExperienceLocaliser localiser(experience, tolerance);
     const bool is_centred = vdna_identity_is_centred(&experience.identity) != 0;
-    vdna_localise_answer answer;
-    for (uint32_t i = 0; i < warmup.frames; i++)
-        require(warmup.frames - i > VDNA_LOCALISE_LEAD_FRAMES
-                    ? vdna_localise_warm_up(localiser.get(), warmup.embedding(i))
-                    : vdna_localise_feed(localiser.get(), warmup.embedding(i), &answer),
-                experience.name);
+    localiser.warm_up(
+        warmup.frames, [&](uint32_t i) { return warmup.embedding(i); }, experience.name);
 
     Followed result;
     result.filter = {experience.name, truth.unit(), truth.difference(), {}};
@@ -133,6 +129,7 @@ Followed follow_in(const vdna_experience &experience, const Recording &warmup,
     std::vector<vdna_knn_match> euclidean(1);
     for (uint32_t i = 0; i < live.frames; i++) {
         program::require_not_interrupted();
+        vdna_localise_answer answer;
         require(vdna_localise_feed(localiser.get(), live.embedding(i), &answer), experience.name);
         const float *const distances = vdna_localise_distances(localiser.get());
         Match filter{&experience, answer.frame, distances[answer.frame]};

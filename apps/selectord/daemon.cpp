@@ -225,13 +225,12 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     std::optional<vdna_msg_localisation_t> answer =
         status == VDNA_OK ? use(transport, frame, seen, watch) : refuse(frame, error.text);
     unanswered_ += frame.skipped;
-    if (answer)
-        settle(*answer, status);
     if (!answer) {
         unanswered_++;
         return;
     }
     vdna_msg_localisation_t &message = *answer;
+    settle(message, status);
     message.skipped = static_cast<int64_t>(std::exchange(unanswered_, 0));
     // A log waits for us, and is to give the same answers again.
     message.latency_us = is_replay_ ? 0 : program::monotonic_us() - frame.received_us;

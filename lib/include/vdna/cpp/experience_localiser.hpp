@@ -5,6 +5,7 @@
 #define VDNA_CPP_EXPERIENCE_LOCALISER_HPP
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <vdna/cpp/localiser.hpp>
@@ -54,6 +55,21 @@ class ExperienceLocaliser
     /** The C object, for every call that this class does not wrap. */
     vdna_localise *get() { return localiser_.get(); }
     const vdna_localise *get() const { return localiser_.get(); }
+
+    /** Take the frames of a warmup: the last VDNA_LOCALISE_LEAD_FRAMES lead the filter, those
+     * before them count for the mean only. Throws Error.
+     *  @param embedding_of  gives the embedding of frame 0 .. frames - 1, in this order
+     *  @param where         names the experience in the error */
+    template <typename EmbeddingOf>
+    void warm_up(uint32_t frames, EmbeddingOf embedding_of, const std::string &where)
+    {
+        vdna_localise_answer unused;
+        for (uint32_t i = 0; i < frames; i++)
+            require(frames - i > VDNA_LOCALISE_LEAD_FRAMES
+                        ? vdna_localise_warm_up(get(), embedding_of(i))
+                        : vdna_localise_feed(get(), embedding_of(i), &unused),
+                    where);
+    }
 
     /** Bytes that the frames and the localiser take. */
     size_t memory_size() const { return map_.memory_size() + localiser_.memory_size(); }
