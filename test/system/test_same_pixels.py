@@ -6,7 +6,6 @@ The network is that of test/support, whose activations are the pixels themselves
 the left and the right half of a picture, so a rotated picture would give other activations.
 """
 import functools
-import hashlib
 import json
 import os
 import shutil
@@ -16,6 +15,7 @@ import zlib
 
 import own_network
 from selectord import Selectord, Watch, WithConfiguration, logger, vdna, vdna_json
+from tiny_network import write_tiny_network
 
 WORK = os.path.abspath("same_pixels")
 MAP = os.path.join(WORK, "map")
@@ -27,30 +27,6 @@ FRAMES = 12
 SIZE = "160x110"  # fits one datagram as BGR pixels
 RATES = (20, 5, 2)  # Hz
 
-MANIFEST = """name = "tiny"
-model = "tiny_network.onnx"
-sha256 = "{sha256}"
-source = "test/support"
-licence = "MIT"
-
-[input]
-name = "image"
-width = 2
-height = 2
-colour = "RGB"
-mean = [0, 0, 0]
-std = [1, 1, 1]
-resize = "stretch"
-interpolation = "area"
-
-[[taps]]
-output = "map"
-layout = "samples_neurons"
-
-[embedding]
-output = "mean"
-l2_normalise = false
-"""
 
 def read(path):
     with open(path, "rb") as file:
@@ -60,12 +36,6 @@ def read(path):
 def write(path, data):
     with open(path, "wb") as file:
         file.write(data)
-
-
-def write_network():
-    model = os.environ["VDNA_TINY_NETWORK"]
-    shutil.copy(model, WORK)
-    write(NETWORK, MANIFEST.format(sha256=hashlib.sha256(read(model)).hexdigest()).encode())
 
 
 def exif(orientation):
@@ -210,7 +180,7 @@ def prepare():
         return
     shutil.rmtree(WORK, ignore_errors=True)
     os.mkdir(WORK)
-    write_network()
+    write_tiny_network(WORK, ("map", "samples_neurons"))
     drives = [os.path.join(WORK, condition) for condition in CONDITIONS]
     options = ("--frames", FRAMES, "--size", SIZE)
     for drive, condition in zip(drives, CONDITIONS):

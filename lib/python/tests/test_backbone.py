@@ -1,9 +1,9 @@
 """Networks: the same numbers as `vdna`, for arrays and JPEG files; errors say what is missing."""
 
-import hashlib
 import os
 import pathlib
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -12,31 +12,9 @@ import libvdna
 from libvdna import _library
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-NETWORK = ROOT / "test/support/tiny_network.onnx"
-MANIFEST = """name = "tiny"
-model = "tiny.onnx"
-sha256 = "{sha256}"
-source = "made"
-licence = "MIT"
-[input]
-name = "image"
-width = 2
-height = 2
-colour = "RGB"
-mean = [0, 0, 0]
-std = [1, 1, 1]
-resize = "stretch"
-interpolation = "area"
-[[taps]]
-output = "map"
-layout = "neurons_samples"
-[[taps]]
-output = "tokens"
-layout = "samples_neurons"
-[embedding]
-output = "mean"
-l2_normalise = false
-"""
+sys.path.insert(0, str(ROOT / "test" / "support"))
+from tiny_network import SHA256, write_tiny_network  # noqa: E402
+
 # 2x2 pixels of red, green, blue; the network takes them as they are.
 PICTURE = np.array([[[10, 20, 30], [11, 21, 31]], [[12, 22, 32], [13, 23, 33]]], np.uint8)
 
@@ -49,11 +27,9 @@ needs_backbone = pytest.mark.skipif(
 
 @pytest.fixture
 def manifest(tmp_path):
-    model = NETWORK.read_bytes()
-    (tmp_path / "tiny.onnx").write_bytes(model)
-    path = tmp_path / "tiny.toml"
-    path.write_text(MANIFEST.format(sha256=hashlib.sha256(model).hexdigest()))
-    return path
+    return write_tiny_network(
+        tmp_path, ("map", "neurons_samples"), ("tokens", "samples_neurons")
+    )
 
 
 @pytest.fixture
@@ -125,7 +101,7 @@ def test_the_network_describes_itself(tiny):
     assert (identity.backbone, identity.precision) == ("tiny", "fp32")
     assert (identity.taps, identity.neurons, identity.dim) == ("map:3:4,tokens:3:4", 6, 3)
     assert identity.preprocessing == "2x2 RGB mean=0,0,0 std=1,1,1 resize=stretch/area l2=0"
-    assert identity.model_sha256 == hashlib.sha256(NETWORK.read_bytes()).hexdigest()
+    assert identity.model_sha256 == SHA256
     assert (identity.bins, identity.range) == (None, None)
     assert tiny.info.input_size == (2, 2)
     assert tiny.info.runtime.startswith("onnxruntime 1.")

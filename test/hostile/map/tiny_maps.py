@@ -1,7 +1,6 @@
 """Maps of three small experiences, in two versions that do not compare, for tests that build them
 again and again. A version is its number of frames."""
 
-import hashlib
 import json
 import os
 import random
@@ -11,30 +10,10 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from tiny_network import write_tiny_network
+
 VDNA = Path(os.environ["VDNA_BIN"]) / "vdna"
 OLD, NEW = 6, 5
-MANIFEST = """
-name = "tiny"
-model = "tiny_network.onnx"
-sha256 = "{sha256}"
-source = "own"
-licence = "MIT"
-[input]
-name = "image"
-width = 2
-height = 2
-colour = "RGB"
-mean = [0.0, 0.0, 0.0]
-std = [1.0, 1.0, 1.0]
-resize = "stretch"
-interpolation = "area"
-[[taps]]
-output = "tokens"
-layout = "samples_neurons"
-[embedding]
-output = "mean"
-l2_normalise = false
-"""
 EXPERIENCES = ["night", "summer", "winter"]
 
 
@@ -52,10 +31,7 @@ class TinyMaps(unittest.TestCase):
         scratch = tempfile.TemporaryDirectory(prefix="vdna-map-")
         self.addCleanup(scratch.cleanup)
         self.folder = Path(scratch.name)
-        network = Path(os.environ["VDNA_TINY_NETWORK"])
-        shutil.copy(network, self.folder / "tiny_network.onnx")
-        (self.folder / "tiny.toml").write_text(
-            MANIFEST.format(sha256=hashlib.sha256(network.read_bytes()).hexdigest()))
+        write_tiny_network(self.folder, ("tokens", "samples_neurons"))
         for version in self.versions:
             for name in EXPERIENCES:
                 _write_pictures(self.folder / str(version) / name, version)
