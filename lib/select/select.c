@@ -1,10 +1,8 @@
 #include <string.h>
 
-#include <vdna/select.h>
-#include <vdna/window.h>
-
 #include "elapsed.h"
 #include "growth.h"
+#include "select_state.h"
 
 /* Bytes of vdna_select_config in version 0.1. */
 #define OLDEST_SELECT_CONFIG offsetof(vdna_select_config, late_us)
@@ -16,22 +14,6 @@ static const vdna_select_config select_defaults = {
     .late_us = VDNA_TIME_LATE_US_DEFAULT,
     .warmup_frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT,
     .top = 1,
-};
-
-/* At the beginning of the caller's block; ranking, views, scratch and window follow. */
-struct vdna_select {
-    vdna_select_config config;
-    vdna_window *window;
-    vdna_hist_view *views;    /* [candidate_count] */
-    vdna_rank_entry *ranking; /* [candidate_count], valid in state SELECTED */
-    void *scratch;
-    double margin_bins;
-    vdna_camera_time time;
-    vdna_select_position position; /* valid in state SELECTED, if there are localisers */
-    float *leads;                  /* [VDNA_LOCALISE_LEAD_FRAMES][dim], a ring */
-    uint64_t lead_count;           /* all so far */
-    uint64_t accepted, rejected, restarts;
-    uint32_t state, chosen, restart_cause;
 };
 
 /* see vdna/select.h; in parentheses, because the header has a macro of this name */
@@ -70,7 +52,7 @@ static int is_config(const vdna_select_config *config)
     for (uint32_t i = 0; i < config->candidate_count; i++)
         if (!is_candidate(config, i))
             return 0;
-    return 1;
+    return vdna_select_may_trust(config);
 }
 
 /* The window: the first frames, in the candidates' shape. Their taps are not known yet and may
@@ -96,9 +78,10 @@ static vdna_window_config window_config_of(const vdna_select_config *config,
 
 /* The parts of the caller's block, in order; each size keeps the next part aligned. */
 typedef struct layout {
-    size_t select, ranking, views, scratch, leads, window; /* bytes of each */
-    size_t total;                                          /* 0 if the config is invalid */
-    vdna_select_config config;                             /* complete */
+    size_t select, ranking, views, scratch, leads, answers, predictions; /* bytes of each */
+    size_t of_candidates, likeness, codes, window;
+    size_t total;              /* 0 if the config is invalid */
+    vdna_select_config config; /* complete */
 } layout;
 
 static size_t aligned(size_t size)
@@ -119,14 +102,23 @@ static layout layout_of(const vdna_select_config *given)
     vdna_activations shape;
     const vdna_window_config window = window_config_of(config, &shape);
     l.select = aligned(sizeof(vdna_select));
-    l.ranking = aligned(sizeof(vdna_rank_entry) * (size_t)config->candidate_count);
-    l.views = aligned(sizeof(vdna_hist_view) * (size_t)config->candidate_count);
+    const size_t count = config->candidate_count;
+    l.ranking = aligned(sizeof(vdna_rank_entry) * count);
+    l.views = aligned(sizeof(vdna_hist_view) * count);
     l.scratch = vdna_emd_scratch_size(shape.neurons);
-    if (config->localisers)
+    if (config->localisers) {
         l.leads = aligned(sizeof(float) * VDNA_LOCALISE_LEAD_FRAMES * (size_t)config->dim);
+        l.answers = aligned(sizeof(vdna_localise_answer) * count);
+    }
+    if (config->trust) {
+        l.predictions = aligned(sizeof(vdna_trust_prediction) * count);
+        l.of_candidates = l.likeness = sizeof(double) * count;
+        l.codes = aligned(vdna_select_codes(config));
+    }
     l.window = vdna_window_mem_size(&window);
     if (l.window != 0 && l.scratch != 0)
-        l.total = l.select + l.ranking + l.views + l.scratch + l.leads + l.window;
+        l.total = l.select + l.ranking + l.views + l.scratch + l.leads + l.answers + l.predictions +
+                  l.of_candidates + l.likeness + l.codes + l.window;
     return l;
 }
 
@@ -149,10 +141,27 @@ static vdna_status check_candidates(const vdna_select_config *config)
     return VDNA_OK;
 }
 
-static void reset_localisers(const vdna_select_config *config)
+/* Begin a warmup. In NONE_FITS the choice stays meanwhile; the localisers begin anew all the same,
+ * because a live mean of frames unlike the map would spoil the next choice's places for long. */
+static void warm_up_again(vdna_select *select)
 {
-    for (uint32_t i = 0; config->localisers && i < config->candidate_count; i++)
-        vdna_localise_reset(config->localisers[i]);
+    vdna_window_reset(select->window);
+    vdna_trust_reset(select->config.trust);
+    vdna_select_forget(select);
+    select->is_over = 0;
+    if (select->state == VDNA_SELECT_NONE_FITS)
+        return;
+    select->state = VDNA_SELECT_WARMUP;
+    select->chosen = 0;
+    select->ranked_by = VDNA_SELECT_BY_EMD;
+}
+
+/* The next part of the caller's block, which ends at `*end`, and begins there. */
+static void *part(unsigned char **end, size_t size)
+{
+    unsigned char *const begin = *end;
+    *end += size;
+    return begin;
 }
 
 /* see vdna/select.h */
@@ -168,39 +177,31 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
     if (status != VDNA_OK)
         return status;
 
-    unsigned char *const ranking = (unsigned char *)mem + l.select;
-    unsigned char *const views = ranking + l.ranking, *const scratch = views + l.views;
-    unsigned char *const leads = scratch + l.scratch;
-    vdna_activations shape;
-    const vdna_window_config window = window_config_of(&l.config, &shape);
+    unsigned char *end = (unsigned char *)mem + l.select;
     vdna_select s;
     memset(&s, 0, sizeof s);
-    status = vdna_window_init(&window, leads + l.leads, l.window, &s.window);
+    s.config = l.config;
+    s.ranking = part(&end, l.ranking);
+    s.views = part(&end, l.views);
+    s.scratch = part(&end, l.scratch);
+    s.leads = part(&end, l.leads);
+    s.answers = part(&end, l.answers);
+    s.predictions = part(&end, l.predictions);
+    s.of_candidates = part(&end, l.of_candidates);
+    s.likeness = part(&end, l.likeness);
+    s.codes = part(&end, l.codes);
+    vdna_activations shape;
+    const vdna_window_config window = window_config_of(&l.config, &shape);
+    status = vdna_window_init(&window, end, l.window, &s.window);
     if (status != VDNA_OK)
         return status;
-    s.config = l.config;
-    s.ranking = (vdna_rank_entry *)(void *)ranking;
-    s.views = (vdna_hist_view *)(void *)views;
-    s.scratch = scratch;
-    s.leads = (float *)(void *)leads;
     vdna_camera_time_init(&s.time, s.config.time_unit, s.config.late_us);
     for (uint32_t i = 0; i < s.config.candidate_count; i++)
         s.views[i] = s.config.candidates[i].dna;
-    reset_localisers(&s.config);
+    warm_up_again(&s);
     *out_select = mem;
     **out_select = s;
     return VDNA_OK;
-}
-
-/* Forget the choice and the window; camera time goes on. */
-static void warm_up_again(vdna_select *select)
-{
-    vdna_window_reset(select->window);
-    reset_localisers(&select->config);
-    select->state = VDNA_SELECT_WARMUP;
-    select->chosen = 0;
-    select->margin_bins = 0;
-    select->lead_count = 0;
 }
 
 /* see vdna/select.h */
@@ -208,92 +209,30 @@ void vdna_select_reset(vdna_select *select)
 {
     if (!select)
         return;
+    select->state = VDNA_SELECT_WARMUP;
     warm_up_again(select);
     vdna_camera_time_begin(&select->time);
 }
 
-/* Rank the experiences against the window and choose the nearest. */
-static vdna_status choose(vdna_select *select)
+/* Rank the experiences against the window, and choose the first.
+ * @param is_early  whether the choice has settled before the window is complete */
+static vdna_status choose(vdna_select *select, int is_early)
 {
     vdna_hist_view live;
     vdna_select_live(select, &live);
-    const uint32_t count = select->config.candidate_count;
-    const vdna_status status = vdna_rank(&live, select->views, count, select->scratch,
-                                         vdna_emd_scratch_size(live.neurons), select->ranking);
+    const vdna_status status =
+        vdna_rank(&live, select->views, select->config.candidate_count, select->scratch,
+                  vdna_emd_scratch_size(live.neurons), select->ranking);
     if (status != VDNA_OK)
         return status;
-    select->state = VDNA_SELECT_SELECTED;
+    vdna_select_judge(select, is_early);
+    select->state =
+        select->trusted.verdict == VDNA_TRUST_FITS ? VDNA_SELECT_SELECTED : VDNA_SELECT_NONE_FITS;
     select->chosen = select->ranking[0].candidate;
-    if (count > 1)
-        select->margin_bins = select->ranking[1].distance_bins - select->ranking[0].distance_bins;
+    select->is_over = 1;
+    if (select->config.reselect)
+        vdna_trust_choose(select->config.trust, select->chosen);
     return VDNA_OK;
-}
-
-static vdna_status find_nearest_frame(const vdna_select *select, const float *embedding,
-                                      vdna_knn_match *match)
-{
-    const vdna_select_candidate *chosen = &select->config.candidates[select->chosen];
-    return vdna_knn(embedding, select->config.dim, chosen->embeddings, chosen->frames, 1, match);
-}
-
-/* Let the localisers of the nearest experiences follow, and hear the most confident. They refuse
- * nothing: the embedding was checked, and they have its size. */
-static void follow(vdna_select *select, const float *embedding)
-{
-    const vdna_select_config *config = &select->config;
-    vdna_select_position *const best = &select->position;
-    for (uint32_t i = 0; i < config->top && i < config->candidate_count; i++) {
-        const uint32_t candidate = select->ranking[i].candidate;
-        vdna_localise_answer answer;
-        vdna_localise_feed(config->localisers[candidate], embedding, &answer);
-        if (i > 0 && answer.confidence <= best->answer.confidence)
-            continue;
-        best->candidate = candidate;
-        best->answer = answer;
-    }
-}
-
-static vdna_status localise(vdna_select *select, const float *embedding, vdna_select_answer *answer)
-{
-    if (!select->config.localisers) {
-        const vdna_status status = find_nearest_frame(select, embedding, &answer->match);
-        answer->localised = status == VDNA_OK;
-        return status;
-    }
-    follow(select, embedding);
-    answer->match.index = select->position.answer.nearest;
-    answer->match.distance_sq = 2 * select->position.answer.nearest_distance;
-    answer->localised = 1;
-    return VDNA_OK;
-}
-
-static float *lead(const vdna_select *select, uint64_t number)
-{
-    return select->leads + select->config.dim * (number % VDNA_LOCALISE_LEAD_FRAMES);
-}
-
-/* Take a frame of the window: the one that it pushes out of the leads goes into the live means. */
-static void take_lead(vdna_select *select, const float *embedding)
-{
-    const vdna_select_config *config = &select->config;
-    if (!config->localisers)
-        return;
-    float *const place = lead(select, select->lead_count);
-    if (select->lead_count >= VDNA_LOCALISE_LEAD_FRAMES)
-        for (uint32_t i = 0; i < config->candidate_count; i++)
-            vdna_localise_warm_up(config->localisers[i], place);
-    memcpy(place, embedding, config->dim * sizeof *embedding);
-    select->lead_count++;
-}
-
-/* Let the localisers of the chosen follow the leads to where the robot is. */
-static void follow_leads(vdna_select *select)
-{
-    uint64_t number = 0;
-    if (select->lead_count > VDNA_LOCALISE_LEAD_FRAMES)
-        number = select->lead_count - VDNA_LOCALISE_LEAD_FRAMES;
-    for (; number < select->lead_count; number++)
-        follow(select, lead(select, number));
 }
 
 /* Whether a frame in order comes later than a whole warmup after the newest of the window. */
@@ -330,67 +269,100 @@ static void restart(vdna_select *select, uint32_t cause)
     select->restart_cause = cause;
 }
 
-/* Give a frame to the window, and choose once the window is complete. */
+/* Give a frame to the window and to trust.
+ * @param out_events  VDNA_WINDOW_ bits */
+static vdna_status take_in(vdna_select *select, const vdna_select_frame *frame, int64_t utime,
+                           uint32_t *out_events)
+{
+    const vdna_status status =
+        vdna_window_add(select->window, utime, frame->taps, frame->tap_count, out_events);
+    if (!(*out_events & VDNA_WINDOW_ADDED))
+        return status;
+    vdna_select_count(select);
+    if (select->state == VDNA_SELECT_WARMUP)
+        vdna_select_take_lead(select, frame->embedding);
+    return status;
+}
+
+/* Whether the first answer need not wait for the rest of the warmup. A later one waits: the more
+ * often one asks whether none fits, the more often the answer is wrong. */
+static int may_stop(const vdna_select *select)
+{
+    return select->config.stop_early && select->state == VDNA_SELECT_WARMUP &&
+           vdna_trust_settled_frames(select->config.trust) > 0;
+}
+
+/* Warm up with a frame, and choose once the warmup is complete. */
 static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, uint32_t order,
                            int64_t utime, vdna_select_answer *answer)
 {
+    vdna_status status = vdna_select_measure(select, frame->embedding);
+    if (status != VDNA_OK)
+        return status;
+    if (select->is_over)
+        warm_up_again(select);
     answer->restarted = restart_of(select, order, utime);
     if (answer->restarted != VDNA_RESTART_NONE)
         restart(select, answer->restarted);
+
     uint32_t events = 0;
-    vdna_status status =
-        vdna_window_add(select->window, utime, frame->taps, frame->tap_count, &events);
-    if (events & VDNA_WINDOW_ADDED)
-        take_lead(select, frame->embedding);
-    if (status == VDNA_OK && (events & VDNA_WINDOW_COMPLETE))
-        status = choose(select);
-    if (status != VDNA_OK) {
+    status = take_in(select, frame, utime, &events);
+    const int is_complete = (events & VDNA_WINDOW_COMPLETE) != 0;
+    const int is_first = select->state == VDNA_SELECT_WARMUP;
+    answer->newly_ranked = is_complete || may_stop(select);
+    if (status == VDNA_OK && answer->newly_ranked)
+        status = choose(select, !is_complete);
+    if (status != VDNA_OK) { /* the ranking is lost, too */
+        select->state = VDNA_SELECT_WARMUP;
         warm_up_again(select);
         return status;
     }
-    if (events & VDNA_WINDOW_COMPLETE)
-        follow_leads(select);
-    answer->newly_ranked = (events & VDNA_WINDOW_COMPLETE) != 0;
-    return events & VDNA_WINDOW_ADDED ? VDNA_OK : localise(select, frame->embedding, answer);
+    if (answer->newly_ranked && is_first)
+        vdna_select_follow_leads(select);
+    const int is_led = is_first && (events & VDNA_WINDOW_ADDED);
+    return is_led ? VDNA_OK : vdna_select_localise(select, frame->embedding, answer);
 }
 
 /* All checks of a frame, before any of it is used. */
-static vdna_status check_frame(const vdna_select *select, const vdna_select_frame *frame)
+static vdna_status check_frame(vdna_select *select, const vdna_select_frame *frame,
+                               const float *last_layer)
 {
     if (!frame || !frame->embedding)
         return VDNA_ERR_ARG;
-    const vdna_status status = vdna_activations_check(frame->taps, frame->tap_count,
-                                                      vdna_window_hist(select->window)->neurons);
+    vdna_status status = vdna_activations_check(frame->taps, frame->tap_count,
+                                                vdna_window_hist(select->window)->neurons);
     if (status != VDNA_OK)
         return status;
     /* Check the embedding for non-finite values by treating it as a one-sample tap. */
     const vdna_activations embedding = {frame->embedding, select->config.dim, 1, 0};
-    return vdna_activations_check(&embedding, 1, select->config.dim);
+    status = vdna_activations_check(&embedding, 1, select->config.dim);
+    return status == VDNA_OK ? vdna_select_encode(select, last_layer) : status;
 }
 
 static vdna_status take(vdna_select *select, const vdna_select_frame *frame,
-                        vdna_select_answer *answer)
+                        const float *last_layer, vdna_select_answer *answer)
 {
-    const vdna_status status = check_frame(select, frame);
+    const vdna_status status = check_frame(select, frame, last_layer);
     if (status != VDNA_OK)
         return status;
     int64_t utime;
     const uint32_t order = vdna_camera_time_take(&select->time, frame->utime, &utime);
     if (order == VDNA_TIME_LATE)
         return VDNA_ERR_LATE;
-    return select->state == VDNA_SELECT_WARMUP ? warm_up(select, frame, order, utime, answer)
-                                               : localise(select, frame->embedding, answer);
+    return select->state == VDNA_SELECT_SELECTED
+               ? vdna_select_localise(select, frame->embedding, answer)
+               : warm_up(select, frame, order, utime, answer);
 }
 
 /* see vdna/select.h */
-vdna_status vdna_select_feed(vdna_select *select, const vdna_select_frame *frame,
-                             vdna_select_answer *out_answer)
+vdna_status vdna_select_feed_seen(vdna_select *select, const vdna_select_frame *frame,
+                                  const float *last_layer, vdna_select_answer *out_answer)
 {
     if (!select || !out_answer)
         return VDNA_ERR_ARG;
     vdna_select_answer answer;
     memset(&answer, 0, sizeof answer);
-    const vdna_status status = take(select, frame, &answer);
+    const vdna_status status = take(select, frame, last_layer, &answer);
     if (status != VDNA_OK) {
         select->rejected += status != VDNA_ERR_LATE;
         return status;
@@ -402,6 +374,13 @@ vdna_status vdna_select_feed(vdna_select *select, const vdna_select_frame *frame
 }
 
 /* see vdna/select.h */
+vdna_status vdna_select_feed(vdna_select *select, const vdna_select_frame *frame,
+                             vdna_select_answer *out_answer)
+{
+    return vdna_select_feed_seen(select, frame, NULL, out_answer);
+}
+
+/* see vdna/select.h */
 uint32_t vdna_select_state(const vdna_select *select)
 {
     return select ? select->state : VDNA_SELECT_WARMUP;
@@ -410,7 +389,9 @@ uint32_t vdna_select_state(const vdna_select *select)
 /* see vdna/select.h */
 double vdna_select_progress(const vdna_select *select)
 {
-    return select ? vdna_window_progress(select->window) : 0;
+    if (!select)
+        return 0;
+    return select->is_over ? 1 : vdna_window_progress(select->window);
 }
 
 /* see vdna/select.h */
@@ -419,27 +400,50 @@ uint32_t vdna_select_chosen(const vdna_select *select)
     return select ? select->chosen : 0;
 }
 
+static int has_choice(const vdna_select *select)
+{
+    return vdna_select_state(select) != VDNA_SELECT_WARMUP;
+}
+
 /* see vdna/select.h */
 double vdna_select_margin_bins(const vdna_select *select)
 {
-    return select ? select->margin_bins : 0;
+    if (!has_choice(select) || select->config.candidate_count == 1)
+        return 0;
+    return select->ranking[1].distance_bins - select->ranking[0].distance_bins;
 }
 
 /* see vdna/select.h */
 const vdna_select_position *vdna_select_where(const vdna_select *select)
 {
-    const int is_placed =
-        vdna_select_state(select) == VDNA_SELECT_SELECTED && select->lead_count > 0;
-    return is_placed ? &select->position : NULL;
+    return has_choice(select) && select->config.localisers ? &select->position : NULL;
 }
 
 /* see vdna/select.h */
 const vdna_rank_entry *vdna_select_ranking(const vdna_select *select, uint32_t *out_count)
 {
-    const int selected = vdna_select_state(select) == VDNA_SELECT_SELECTED;
+    const int is_there = has_choice(select);
     if (out_count)
-        *out_count = selected ? select->config.candidate_count : 0;
-    return selected ? select->ranking : NULL;
+        *out_count = is_there ? select->config.candidate_count : 0;
+    return is_there ? select->ranking : NULL;
+}
+
+/* see vdna/select.h */
+uint32_t vdna_select_ranked_by(const vdna_select *select)
+{
+    return select ? select->ranked_by : VDNA_SELECT_BY_EMD;
+}
+
+/* see vdna/select.h */
+uint64_t vdna_select_switches(const vdna_select *select)
+{
+    return select ? select->switches : 0;
+}
+
+/* see vdna/select.h */
+uint32_t vdna_select_previous(const vdna_select *select)
+{
+    return select ? select->previous : 0;
 }
 
 /* see vdna/select.h */

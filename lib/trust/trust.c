@@ -394,13 +394,18 @@ static uint32_t reason_of(const vdna_trust *trust, int unlike, int has_distances
     return VDNA_TRUST_REASON_NONE;
 }
 
-/* Nothing but distances, for a reason that spares no candidate. */
-static void write_without(const vdna_trust *trust, uint32_t reason, vdna_trust_prediction *out)
+/* Nothing but distances, for a reason that spares no candidate.
+ * @param z  [runs], valid if there is a frame */
+static void write_without(const vdna_trust *trust, const double *z, uint32_t reason,
+                          vdna_trust_prediction *out)
 {
     for (uint32_t b = 0; b < trust->model.runs; b++) {
-        const double nearest = trust->frames > 0 ? trust->mean[b] / trust->own[b] : NAN;
-        const vdna_trust_prediction none = {NAN, NAN, NAN, NAN, nearest, reason, 0};
+        const vdna_trust_prediction none = {NAN, NAN, NAN, NAN, NAN, NAN, reason, 0};
         out[b] = none;
+        if (trust->frames == 0)
+            continue;
+        out[b].nearest = trust->mean[b] / trust->own[b];
+        out[b].score = z[b];
     }
 }
 
@@ -469,7 +474,8 @@ vdna_status vdna_trust_predict(vdna_trust *trust, const double *distance_bins,
     const uint32_t reason =
         reason_of(trust, answer.verdict == VDNA_TRUST_UNLIKE, distance_bins != NULL);
     const int is_predicted = reason == VDNA_TRUST_REASON_NONE;
-    write_without(trust, is_predicted ? VDNA_TRUST_REASON_NOT_LABELLED : reason, out_predictions);
+    write_without(trust, model->work, is_predicted ? VDNA_TRUST_REASON_NOT_LABELLED : reason,
+                  out_predictions);
     double *const transfer = model->work + 2 * (size_t)model->runs;
     if (distance_bins)
         write_transfer(trust, distance_bins, transfer, out_predictions);
@@ -570,6 +576,12 @@ vdna_status vdna_trust_reconsider(vdna_trust *trust, const double *recall, uint3
 }
 
 /* ---- Accessors ---- */
+
+/* see vdna/trust.h */
+uint32_t vdna_trust_runs(const vdna_trust *trust)
+{
+    return trust ? trust->model.runs : 0;
+}
 
 /* see vdna/trust.h */
 const vdna_trust_fit *vdna_trust_fitted(const vdna_trust *trust)

@@ -1,9 +1,11 @@
 /** @file vdna/select.h
- *  @brief The selector: warm up on live frames, rank the experiences, choose one, localise in it.
+ *  @brief The selector: warm up on live frames, rank the experiences, choose one or say that none
+ *         fits, localise in it, choose again.
  *
- *  States: WARMUP until the window is complete, then SELECTED until vdna_select_reset(). Frames
- *  and their times are arguments, so a replay gives the same answers at any speed. Every answer
- *  says which of its fields are valid; a refused frame changes nothing but a counter.
+ *  States: WARMUP until the window is complete, then SELECTED until vdna_select_reset(); with
+ *  trust, NONE_FITS in its place as long as no experience fits. Frames and their times are
+ *  arguments, so a replay gives the same answers at any speed. Every answer says which of its
+ *  fields are valid; a refused frame changes nothing but a counter.
  *
  *  Definition: as in the paper, the live Visual DNA is that of the warmup window only, and a
  *  candidate's that of all its frames.
@@ -11,10 +13,30 @@
  *  Localising. With localisers of vdna/localise.h, one for each candidate, a frame's place is what
  *  the place filter says, with a confidence: vdna_select_where(). The frames of the warmup go into
  *  the live mean of each; the last VDNA_LOCALISE_LEAD_FRAMES of them are kept until the choice, and
- *  then lead the filters of the chosen to where the robot is. In the `top` nearest experiences at
- * once, the most confident of their filters answers; the nearer experience of equals. Without
+ *  then lead the filters of the chosen to where the robot is. In the first `top` experiences of the
+ *  ranking at once, the most confident of their filters answers; the first of equals. Without
  * localisers it is the nearest frame of the chosen experience, by the Euclidean distance of the
  * embeddings as they are.
+ *
+ *  Trust. With a vdna_trust of vdna/trust.h, which each frame of the window is measured for, the
+ *  choice comes with what may be expected of it: vdna_select_trust(), vdna_select_predictions().
+ *
+ *  - Order. By distance; or by transfer, if `rank` says so and trust tells that of every candidate.
+ *    With `stop_early` the first choice comes as soon as it has settled, in the order of the
+ *    predictions' scores: so few frames have a distance from anything.
+ *  - NONE_FITS, if trust's verdict is UNLIKE or POOR. Ranking, choice and localisation are there as
+ *    in SELECTED, of the least bad. Meanwhile another warmup begins with the next frame, and when
+ *    it is complete, be it settled or not, the selector chooses again, and so on until one fits.
+ * All localisers begin anew with each of these warmups and follow the robot from then on, so the
+ * new choice knows the place at once, and its live mean has no frame from before. Restarts begin
+ * the warmup anew, and leave the choice.
+ *  - Choosing again, with `reselect`, in SELECTED. The localisers of all candidates follow the
+ * robot at each frame, and vdna_trust_reconsider() compares their confidences. A switch brings the
+ * new choice to the front of the ranking, and is localised in with the very same frame.
+ *
+ *  A frame costs a search among all frames of all candidates in WARMUP and NONE_FITS, if there is
+ *  trust, and a step of every localiser with `reselect` and in NONE_FITS. Without trust all is as
+ *  in the definition.
  *
  *  Time. Stamps go through vdna/camera_time.h first: late frames are refused and counted, and the
  *  unit of the stamps is recognised. A warmup begins anew, with the frame at hand, when camera time
@@ -30,6 +52,7 @@
 #include <vdna/knn.h>
 #include <vdna/localise.h>
 #include <vdna/rank.h>
+#include <vdna/trust.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -43,8 +66,19 @@ extern "C" {
 
 /** State of a selector. */
 enum {
-    VDNA_SELECT_WARMUP = 0,  /**< collecting the live Visual DNA; there is no choice yet */
-    VDNA_SELECT_SELECTED = 1 /**< an experience is chosen; frames are localised in it */
+    VDNA_SELECT_WARMUP = 0,   /**< collecting the live Visual DNA; there is no choice yet */
+    VDNA_SELECT_SELECTED = 1, /**< an experience is chosen; frames are localised in it */
+    VDNA_SELECT_NONE_FITS = 2 /**< as SELECTED, but no experience fits: vdna_select_trust() says
+                                   why. Another choice follows */
+};
+
+/** What orders a ranking. */
+enum {
+    VDNA_SELECT_BY_EMD = 0,      /**< the distance of the Visual DNAs, the least first */
+    VDNA_SELECT_BY_TRANSFER = 1, /**< `transfer` of the predictions, the highest first; the nearer
+                                      of equals */
+    VDNA_SELECT_BY_RELATIVE = 2  /**< `score` of the predictions, the highest first; the nearer of
+                                      equals */
 };
 
 /** Why a warmup began anew. */
@@ -81,9 +115,19 @@ typedef struct vdna_select_config {
     vdna_localise *const *localisers; /**< [candidate_count], each of its candidate's frames; the
                                            array and they are borrowed, and changed, as long as the
                                            selector is in use; NULL = none (default) */
-    uint32_t top; /**< localise in so many of the nearest experiences at once: 1 (default) or more,
+    uint32_t top; /**< localise in so many of the first of the ranking at once: 1 (default) or more,
                        of which all candidates are the most; without localisers 1 */
-    uint32_t reserved; /**< 0 */
+    uint32_t rank;     /**< VDNA_SELECT_BY_EMD (default) or _BY_TRANSFER, where trust has it */
+    vdna_trust *trust; /**< in the choice among these candidates; borrowed, and changed, as long as
+                            the selector is in use; NULL = none (default) */
+    const vdna_trust_run *runs; /**< [candidate_count], of which embeddings, frames, dim and, if
+                                     trust judges by it, the last layer are used; they and what they
+                                     point to are borrowed as long as the selector is in use; needed
+                                     with trust */
+    uint32_t stop_early; /**< 1: choose when that has settled, at the latest after the whole warmup,
+                              as always without trust; default 0 */
+    uint32_t reselect;   /**< 1: reconsider the choice while driving; needs trust and localisers;
+                              default 0 */
 } vdna_select_config;
 
 /** One live frame. Nothing is kept after the call. */
@@ -97,7 +141,7 @@ typedef struct vdna_select_frame {
 /** Result of a frame. */
 typedef struct vdna_select_answer {
     uint32_t state;        /**< VDNA_SELECT_... after this frame */
-    uint32_t newly_ranked; /**< 1 if this frame completed the warmup: see
+    uint32_t newly_ranked; /**< 1 if this frame completed a warmup: see
                                 vdna_select_ranking() */
     uint32_t restarted;    /**< VDNA_RESTART_...: why the warmup began anew with this frame */
     uint32_t localised;    /**< 1 if `match` is valid */
@@ -152,19 +196,30 @@ VDNA_API vdna_status vdna_select_init(const vdna_select_config *config, void *me
 
 /** Take one live frame.
  *  In WARMUP it is offered to the window, a first window of vdna/window.h. A frame that completes
- *  the window without being in it is localised. In SELECTED every frame is localised, unless it is
- *  late.
+ *  the window without being in it is localised. In SELECTED and NONE_FITS every frame is localised,
+ *  unless it is late.
  *  @param select      from vdna_select_init()
  *  @param frame       needed for this call only
+ *  @param last_layer  [last_layer_dim of the runs], the network's last layer of this frame; needed
+ *                     if vdna_trust_fit says `by_likeness`, and ignored otherwise; NULL = none
  *  @param out_answer  says which of its fields are valid
  *  @return VDNA_OK; VDNA_ERR_ARG, VDNA_ERR_MISMATCH or VDNA_ERR_NONFINITE for a bad frame, which is
  *          refused whole and counted; VDNA_ERR_LATE for a frame older than one before it, which is
  *          counted apart; VDNA_ERR_OVERFLOW or VDNA_ERR_FULL if the window is too large
- *          to rank, in which case the warmup begins anew */
+ *          to rank, in which case the selector warms up anew */
+VDNA_API vdna_status vdna_select_feed_seen(vdna_select *select, const vdna_select_frame *frame,
+                                           const float *last_layer, vdna_select_answer *out_answer);
+
+/** Take one live frame without its last layer: vdna_select_feed_seen() with NULL.
+ *  @param select      from vdna_select_init()
+ *  @param frame       needed for this call only
+ *  @param out_answer  says which of its fields are valid
+ *  @return as vdna_select_feed_seen() */
 VDNA_API vdna_status vdna_select_feed(vdna_select *select, const vdna_select_frame *frame,
                                       vdna_select_answer *out_answer);
 
-/** Forget the choice and the window, and warm up again. Counters stay.
+/** Forget the choice and the window, also of trust and of the localisers, and warm up again.
+ *  Counters stay.
  *  @param select  NULL is allowed */
 VDNA_API void vdna_select_reset(vdna_select *select);
 
@@ -175,33 +230,66 @@ VDNA_API uint32_t vdna_select_state(const vdna_select *select);
 
 /** Get the progress of the warmup.
  *  @param select  NULL gives 0
- *  @return 0 (nothing yet) to 1 (complete, or SELECTED) */
+ *  @return 0 (nothing yet) to 1 (complete, or SELECTED); in NONE_FITS that of the next warmup, once
+ *          a frame has begun it */
 VDNA_API double vdna_select_progress(const vdna_select *select);
 
 /** Get the choice.
  *  @param select  NULL gives 0
- *  @return candidate index in state SELECTED; 0 otherwise */
+ *  @return candidate index, the first of the ranking; 0 in state WARMUP */
 VDNA_API uint32_t vdna_select_chosen(const vdna_select *select);
 
-/** Get the margin: the second candidate's distance minus the first's.
+/** Get the margin: the second candidate's distance minus the first's, in the order of the choice.
  *  @param select  NULL gives 0
- *  @return bins, >= 0, in state SELECTED; 0 otherwise and with only one candidate */
+ *  @return bins; below 0 if something else than distance put the first before the second; 0 in
+ *          state WARMUP and with only one candidate */
 VDNA_API double vdna_select_margin_bins(const vdna_select *select);
 
 /** Tell where the robot is, by the newest frame.
  *  @param select  NULL gives NULL
  *  @return borrowed until the next call that changes the selector; NULL without localisers, and
- *          unless in state SELECTED */
+ *          in state WARMUP */
 VDNA_API const vdna_select_position *vdna_select_where(const vdna_select *select);
 
-/** Get all candidates in the order of their distance to the window.
+/** Get all candidates in the order of the choice.
  *  @param select     NULL gives NULL
  *  @param out_count  entries: the candidates, or 0 with NULL; NULL = not wanted
- *  @return the nearest first, borrowed until the next call that changes the selector; NULL unless
- *          in state SELECTED */
+ *  @return the chosen first, with their distance to the window of the warmup; `tied` says that only
+ *          the order of the candidates told two apart. Borrowed until the next call that changes
+ *          the selector; NULL in state WARMUP */
 VDNA_API const vdna_rank_entry *vdna_select_ranking(const vdna_select *select, uint32_t *out_count);
 
-/** Look at the live Visual DNA, that of the window; the view follows later changes.
+/** Tell what ordered the ranking; a switch has moved its choice to the front since.
+ *  @param select  NULL gives VDNA_SELECT_BY_EMD
+ *  @return VDNA_SELECT_BY_...; _BY_EMD in state WARMUP */
+VDNA_API uint32_t vdna_select_ranked_by(const vdna_select *select);
+
+/** Get what trust said of the warmup when the choice was made.
+ *  @param select  NULL gives NULL
+ *  @return borrowed until the next call that changes the selector; NULL without trust, and in state
+ *          WARMUP */
+VDNA_API const vdna_trust_answer *vdna_select_trust(const vdna_select *select);
+
+/** Get what it then predicted of each candidate.
+ *  @param select     NULL gives NULL
+ *  @param out_count  entries: the candidates, or 0 with NULL; NULL = not wanted
+ *  @return [candidate_count], in the order of the candidates, borrowed and NULL as
+ *          vdna_select_trust() */
+VDNA_API const vdna_trust_prediction *vdna_select_predictions(const vdna_select *select,
+                                                              uint32_t *out_count);
+
+/** Count the switches to another choice while driving, since vdna_select_init().
+ *  @param select  NULL gives 0
+ *  @return switches; what follows on another warmup is none */
+VDNA_API uint64_t vdna_select_switches(const vdna_select *select);
+
+/** Get what was chosen before the newest switch.
+ *  @param select  NULL gives 0
+ *  @return candidate index; 0 if there was no switch */
+VDNA_API uint32_t vdna_select_previous(const vdna_select *select);
+
+/** Look at the live Visual DNA, that of the window, which in NONE_FITS is the next one once a frame
+ *  has begun it; the view follows later changes.
  *  @param select    borrowed as long as the view is in use
  *  @param out_view  untouched if an argument is NULL */
 VDNA_API void vdna_select_live(const vdna_select *select, vdna_hist_view *out_view);

@@ -272,6 +272,8 @@ typedef struct vdna_trust_prediction {
     double transfer; /**< R of t, 0..1: for ranking, descending, ties by distance; NaN without
                           distances, labels of this run, or two labelled runs */
     double nearest;  /**< mean s of the live frames, w being 1 without tables; NaN = no frame yet */
+    double score;    /**< z, by which the choice settles: for ranking after a few frames,
+                          descending; NaN = no frame yet */
     uint32_t reason; /**< why there is no prediction; VDNA_TRUST_REASON_NONE if there is */
     uint32_t reserved; /**< 0 */
 } vdna_trust_prediction;
@@ -381,6 +383,11 @@ VDNA_API vdna_status vdna_trust_expect(const vdna_trust *trust, const double *ne
  *          nothing has changed */
 VDNA_API vdna_status vdna_trust_reconsider(vdna_trust *trust, const double *recall, uint32_t frames,
                                            uint32_t *out_choice);
+
+/** Count the candidates.
+ *  @param trust  NULL gives 0
+ *  @return K */
+VDNA_API uint32_t vdna_trust_runs(const vdna_trust *trust);
 
 /** Look at the fit.
  *  @param trust  NULL gives NULL

@@ -14,7 +14,11 @@ from libvdna import (
     RankEntry,
     Selector,
     Status,
+    StoredRun,
+    Trust,
+    TrustTables,
     VdnaError,
+    Verdict,
     emd_mean,
 )
 
@@ -37,7 +41,7 @@ def test_it_warms_up_chooses_and_localises(candidates, unit_range):
     assert (selector.progress, selector.margin_bins) == (0, None)
 
     answer = selector.feed(0, [1, 0], BRIGHT)
-    assert answer == (False, False, False, None)
+    assert answer == (False, False, False, None, False)
     assert selector.progress == 0.5 and selector.live.mass.tolist() == [1, 1, 1]
     assert (selector.window_frames, selector.window_utime) == (1, (0, 0))
 
@@ -85,6 +89,102 @@ def test_localisers_follow_from_the_warmup_on(unit_range):
     assert localisers[1].evidence > 0
     selector.reset()
     assert selector.where is None and localisers[1].evidence == 0
+
+
+def tables_of(count, nearest=0.1, recall=0.9):
+    """Runs that are `nearest` to one another, and localise one another as well."""
+    cells = np.full((count, count, 4, 7), np.nan)
+    cells[:, :, 0], cells[:, :, 2], cells[:, :, 3] = nearest, recall, 1
+    return TrustTables(np.full(count, 30, np.uint32), np.ones(count), np.ones(count), cells)
+
+
+def test_where_none_fits_it_says_so_and_chooses_again(candidates):
+    runs = [StoredRun(candidate.embeddings) for candidate in candidates]
+    selector = Selector(candidates, warmup_frames=5, trust=Trust(tables_of(2)), runs=runs)
+    assert selector.trust is None and selector.ranked_by is None
+    for i in range(5):
+        answer = selector.feed(1000 * i, [-1, 0], BRIGHT)
+    assert answer == (True, True, False, None, True)
+    assert selector.selected and selector.none_fits and selector.chosen == 1
+    assert selector.trust.verdict is Verdict.UNLIKE and selector.trust.frames == 5
+    assert len(selector.trust.predictions) == 2 and selector.ranked_by == "emd"
+    for i in range(5, 10):
+        assert selector.none_fits
+        answer = selector.feed(1000 * i, [1, 0], BRIGHT)
+    assert answer == (True, True, False, Match(0, 0), False)
+    assert selector.trust.verdict is Verdict.FITS
+    assert (selector.switches, selector.previous) == (0, None)
+
+
+def test_it_stops_early_and_ranks_by_transfer(candidates):
+    three = [*candidates, candidates[0]]
+    runs = [StoredRun(candidate.embeddings + np.float32(i)) for i, candidate in enumerate(three)]
+    options = {"trust": Trust(tables_of(3)), "runs": runs, "warmup_frames": 20}
+    early = Selector(three, stop_early=True, **options)
+    frames = 1
+    while not early.feed(1000 * frames, [1, 0], BRIGHT).selected:
+        frames += 1
+    assert frames == early.trust.settled_frames == 10
+    scores = [prediction.score for prediction in early.trust.predictions]
+    assert early.ranked_by == "relative" and early.chosen == np.argmax(scores) == 0
+    assert early.margin_bins < 0
+
+    whole = Selector(three, rank="transfer", **options)
+    for i in range(20):
+        whole.feed(1000 * i, [1, 0], BRIGHT)
+    assert whole.ranked_by == "transfer" and whole.chosen == 1
+
+
+def test_the_last_layer_is_given_where_trust_judges_by_it(candidates):
+    tables = tables_of(2)
+    tables.cells[:, :, 1] = 0.1
+    layer = np.array([[100, 0, 3], [0, 100, 3]], np.float32)
+    runs = [StoredRun(candidate.embeddings, last_layer=layer) for candidate in candidates]
+    selector = Selector(candidates, warmup_frames=5, trust=Trust(tables), runs=runs)
+    with pytest.raises(VdnaError) as caught:
+        selector.feed(0, [1, 0], BRIGHT)
+    assert caught.value.status is Status.ARG
+    with pytest.raises(ValueError, match=r"last_layer has the shape \[1\], expected \[3\]"):
+        selector.feed(0, [1, 0], BRIGHT, last_layer=[1])
+    for i in range(5):
+        selector.feed(1000 * i, [1, 0], BRIGHT, last_layer=-layer[0])
+    assert selector.none_fits
+
+
+def test_it_chooses_again_while_driving(unit_range):
+    """The second experience goes round the circle, the first one stands elsewhere."""
+    circle = np.array([on_circle(i / 12) for i in range(12)])
+    frames = [circle[:1] + np.linspace(0, 0.01, 12)[:, None], circle]
+    runs = [StoredRun(values) for values in frames]
+    selector = Selector(
+        [
+            Candidate(histogram_of([[level] * 3], unit_range), values)
+            for level, values in zip((0.9, -0.9), frames)
+        ],
+        warmup_frames=2,
+        localisers=[Localiser(values, tolerance=1) for values in frames],
+        trust=Trust(None, runs=2, switch_cost=1),
+        runs=runs,
+        reselect=True,
+    )
+    for i in range(60):
+        selector.feed(1000 * i, on_circle(i / 12), BRIGHT)
+    assert selector.switches == 1 and (selector.previous, selector.chosen) == (0, 1)
+    assert selector.where[0] == 1 and selector.ranking[0].candidate == 1
+
+
+def test_what_does_not_go_with_trust_is_refused(candidates):
+    trust, runs = Trust(None, runs=2), [StoredRun(candidates[0].embeddings)] * 2
+    with pytest.raises(ValueError, match="give trust and runs, or neither"):
+        Selector(candidates, warmup_frames=2, trust=trust)
+    with pytest.raises(ValueError, match="there are 1 runs, expected one for each of 2"):
+        Selector(candidates, warmup_frames=2, trust=trust, runs=runs[:1])
+    with pytest.raises(ValueError, match="rank is 'relative', expected 'emd' or 'transfer'"):
+        Selector(candidates, warmup_frames=2, rank="relative")
+    for wrong in ({"reselect": True}, {"reselect": True, "trust": trust, "runs": runs}):
+        with pytest.raises(VdnaError) as caught:
+            Selector(candidates, warmup_frames=2, **wrong)
+        assert caught.value.status is Status.ARG
 
 
 def test_localisers_must_be_those_of_the_candidates(candidates):

@@ -137,6 +137,7 @@ static void print_trust(void)
     FIELD(vdna_trust_prediction, high);
     FIELD(vdna_trust_prediction, transfer);
     FIELD(vdna_trust_prediction, nearest);
+    FIELD(vdna_trust_prediction, score);
     FIELD(vdna_trust_prediction, reason);
     FIELD(vdna_trust_prediction, reserved);
 
@@ -179,7 +180,11 @@ static void print_select(void)
     FIELD(vdna_select_config, time_unit);
     FIELD(vdna_select_config, localisers);
     FIELD(vdna_select_config, top);
-    FIELD(vdna_select_config, reserved);
+    FIELD(vdna_select_config, rank);
+    FIELD(vdna_select_config, trust);
+    FIELD(vdna_select_config, runs);
+    FIELD(vdna_select_config, stop_early);
+    FIELD(vdna_select_config, reselect);
 
     STRUCT(vdna_select_position);
     FIELD(vdna_select_position, candidate);

@@ -24,7 +24,7 @@ ROOMS = {
     "lib/backbone": (4, ["lib/core", "lib/fail", "lib/health", "lib/identity", "lib/picture"]),
     "lib/map": (4, ["lib/checksum", "lib/core", "lib/fail", "lib/geodesy", "lib/identity", "lib/localise",
                     "lib/replace"]),
-    "lib/select": (3, ["lib/core", "lib/localise"]),
+    "lib/select": (3, ["lib/core", "lib/localise", "lib/trust"]),
     "lib/transport": (3, ["lib/checksum", "lib/core", "lib/fail"]),
     "lib/cpp": (5, ["lib/backbone", "lib/core", "lib/identity", "lib/localise", "lib/map",
                     "lib/select", "lib/transport"]),

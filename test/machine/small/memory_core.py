@@ -32,7 +32,7 @@ RAM = """\
 `lib/core`, `lib/health`, `lib/localise` and `lib/select` have no variables and allocate nothing. These are the
 blocks that the caller provides, as the `vdna_..._size()` functions give them on a 64-bit machine. A
 selector holds the live histogram and the working memory of the distance; it is for four experiences here,
-and each further one takes {further}. The experiences themselves stay in their files, which are
+and each further one takes {further}, with trust {trusting}. The experiences themselves stay in their files, which are
 mapped; each has counts of a histogram's size.
 
 {table}
@@ -74,11 +74,12 @@ def table(head, rows):
 
 def ram_part(program):
     output = subprocess.run([program], capture_output=True, text=True, check=True).stdout
-    further, *lines = output.splitlines()
+    first, *lines = output.splitlines()
+    further, trusting = first.split()
     rows = [tuple(map(int, line.split())) for line in lines]
     head = ["neurons", "bins", "histogram", "working memory of the distance", "selector"]
     localise_head = ["map frames", "dim", "prepared frames", "localiser"]
-    return RAM.format(further=further, table=table(head, [row for row in rows if len(row) == 5]),
+    return RAM.format(further=further, trusting=trusting, table=table(head, [row for row in rows if len(row) == 5]),
                       localise=table(localise_head, [row for row in rows if len(row) == 4]),
                       trust=table(["experiences", "trust"], [row for row in rows if len(row) == 2]))
 

@@ -1,8 +1,8 @@
 /* Prints the memory that the library asks of its caller: first the bytes that one more experience
- * adds to a selector; then, a configuration a line, neurons, bins, and the bytes of a histogram, of
- * the distance's working memory, and of a selector among CANDIDATES experiences; then frames, dim,
- * and the bytes of a prepared experience and of a localiser in it; then experiences, and the bytes
- * of trust in the choice among them. */
+ * adds to a selector, and to one with trust; then, a configuration a line, neurons, bins, and the
+ * bytes of a histogram, of the distance's working memory, and of a selector among CANDIDATES
+ * experiences; then frames, dim, and the bytes of a prepared experience and of a localiser in it;
+ * then experiences, and the bytes of trust in the choice among them. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,17 +23,22 @@ static size_t hist_size(uint32_t neurons, uint32_t bins)
     return vdna_hist_mem_size(&config);
 }
 
-static size_t select_size(uint32_t neurons, uint32_t bins, uint32_t count)
+/* @param trust  NULL = none */
+static size_t select_size(uint32_t neurons, uint32_t bins, uint32_t count, vdna_trust *trust)
 {
     static const float embedding = 0;
     vdna_select_candidate candidates[CANDIDATES + 1];
+    vdna_trust_run runs[CANDIDATES + 1];
     memset(candidates, 0, sizeof candidates);
+    memset(runs, 0, sizeof runs);
     for (uint32_t i = 0; i < count; i++) {
         candidates[i].dna.range = range;
         candidates[i].dna.neurons = neurons;
         candidates[i].dna.bins = bins;
         candidates[i].embeddings = &embedding;
         candidates[i].frames = 1;
+        runs[i].embeddings = &embedding;
+        runs[i].frames = runs[i].dim = 1;
     }
     vdna_select_config config;
     vdna_select_config_init(&config);
@@ -41,6 +46,8 @@ static size_t select_size(uint32_t neurons, uint32_t bins, uint32_t count)
     config.candidate_count = count;
     config.dim = 1;
     config.warmup_frames = 1;
+    config.trust = trust;
+    config.runs = runs;
     return vdna_select_mem_size(&config);
 }
 
@@ -83,17 +90,34 @@ static size_t trust_size(uint32_t runs)
     return vdna_trust_mem_size(&config);
 }
 
+static size_t trusting_select_size(uint32_t count)
+{
+    vdna_trust_config config;
+    vdna_trust_config_init(&config);
+    config.runs = count;
+    const size_t size = trust_size(count);
+    void *mem = malloc(size);
+    vdna_trust *trust;
+    if (!mem || vdna_trust_init(&config, mem, size, &trust) != VDNA_OK)
+        abort();
+    const size_t found = select_size(128, 100, count, trust);
+    free(mem);
+    return found;
+}
+
 int main(void)
 {
     static const struct {
         uint32_t neurons, bins;
     } shapes[] = {{128, 100}, {128, 1000}, {768, 100}, {768, 1000}, {1280, 100}, {1280, 1000}};
-    printf("%zu\n", select_size(128, 100, CANDIDATES + 1) - select_size(128, 100, CANDIDATES));
+    printf("%zu %zu\n",
+           select_size(128, 100, CANDIDATES + 1, NULL) - select_size(128, 100, CANDIDATES, NULL),
+           trusting_select_size(CANDIDATES + 1) - trusting_select_size(CANDIDATES));
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++)
         printf("%u %u %zu %zu %zu\n", (unsigned)shapes[i].neurons, (unsigned)shapes[i].bins,
                hist_size(shapes[i].neurons, shapes[i].bins),
                vdna_emd_scratch_size(shapes[i].neurons),
-               select_size(shapes[i].neurons, shapes[i].bins, CANDIDATES));
+               select_size(shapes[i].neurons, shapes[i].bins, CANDIDATES, NULL));
     static const struct {
         uint32_t frames, dim;
     } maps[] = {{100, 64}, {1150, 64}, {1150, 1008}, {100000, 64}};

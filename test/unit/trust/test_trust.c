@@ -117,6 +117,7 @@ static void a_live_run_should_expect_most_of_its_like(void **state)
         assert_int_equal(p[b].reason, VDNA_TRUST_REASON_NONE);
         assert_true(0 <= p[b].low && p[b].low < p[b].recall && p[b].recall < p[b].high);
         assert_true(p[b].high <= 1 && p[b].reserved == 0);
+        assert_true(b == 0 || p[b].score < p[b - 1].score); /* as `choice` says */
         assert_true(b == 0 || (p[b].recall < p[b - 1].recall && p[b].transfer < p[b - 1].transfer));
     }
     assert_true(p[0].recall > 0.85 && p[4].recall < 0.8);
@@ -838,6 +839,9 @@ static void accessors_bear_null_and_every_reason_has_a_text(void **state)
 {
     (void)state;
     assert_int_equal(vdna_trust_settled_frames(NULL), 0);
+    assert_int_equal(vdna_trust_runs(NULL), 0);
+    const vdna_trust_config config = a_map_of(3);
+    assert_int_equal(vdna_trust_runs(made(&config)), 3);
     assert_null(vdna_trust_fitted(NULL));
     assert_null(vdna_trust_intercepts(NULL));
     assert_string_equal(vdna_trust_reason_text(VDNA_TRUST_REASON_NONE), "");

@@ -33,7 +33,18 @@ struct Stamps {
 struct Localising {
     std::vector<vdna_localise *> by; /**< one for each candidate, borrowed as long as the selector
                                         is in use; empty: by the nearest frame */
-    uint32_t top = 1;                /**< nearest experiences to localise in at once */
+    uint32_t top = 1;                /**< first of the ranking to localise in at once */
+};
+
+/** What is known about the choice, and what follows from that. */
+struct Trusting {
+    vdna_trust *trust = nullptr; /**< in these candidates, borrowed as long as the selector is in
+                                    use; nullptr: none */
+    const vdna_trust_run *runs = nullptr; /**< one for each candidate, borrowed likewise; needed
+                                             with trust */
+    uint32_t rank = VDNA_SELECT_BY_EMD;   /**< VDNA_SELECT_BY_EMD or _BY_TRANSFER */
+    bool stop_early = false;              /**< choose when that has settled */
+    bool reselect = false; /**< reconsider while driving; needs trust and localisers */
 };
 
 /** Limits of a warmup by time, for those that people ask for. */
@@ -47,9 +58,11 @@ class Selector
      *  @param dim  numbers in an embedding
      *  @param where  names the map in the error
      *  @param stamps  of the frames
-     *  @param localising  in the experiences */
+     *  @param localising  in the experiences
+     *  @param trusting  in the choice among them */
     Selector(std::vector<vdna_select_candidate> candidates, uint32_t dim, const Warmup &warmup,
-             const std::string &where, const Stamps &stamps = {}, Localising localising = {})
+             const std::string &where, const Stamps &stamps = {}, Localising localising = {},
+             const Trusting &trusting = {})
         : candidates_(std::move(candidates)), localisers_(std::move(localising.by))
     {
         vdna_select_config config;
@@ -64,6 +77,11 @@ class Selector
         config.time_unit = stamps.unit;
         config.localisers = localisers_.empty() ? nullptr : localisers_.data();
         config.top = localising.top;
+        config.trust = trusting.trust;
+        config.runs = trusting.runs;
+        config.rank = trusting.rank;
+        config.stop_early = trusting.stop_early ? 1 : 0;
+        config.reselect = trusting.reselect ? 1 : 0;
         const size_t size = vdna_select_mem_size(&config);
         memory_.resize(size / sizeof(int64_t) + 1);
         const vdna_status status = vdna_select_init(&config, memory_.data(), size, &select_);

@@ -193,6 +193,7 @@ class TrustPredictionFields(Structure):
         ("high", c_double),
         ("transfer", c_double),
         ("nearest", c_double),
+        ("score", c_double),
         ("reason", c_uint32),
         ("reserved", c_uint32),
     ]
@@ -244,7 +245,11 @@ class SelectConfig(Structure):
         ("time_unit", c_uint32),
         ("localisers", POINTER(c_void_p)),
         ("top", c_uint32),
-        ("reserved", c_uint32),
+        ("rank", c_uint32),
+        ("trust", c_void_p),
+        ("runs", POINTER(TrustRunFields)),
+        ("stop_early", c_uint32),
+        ("reselect", c_uint32),
     ]
 
 
@@ -498,7 +503,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_trust_expect": (address, address, address),
         "vdna_trust_reconsider": (address, address, c_uint32, POINTER(c_uint32)),
         "vdna_select_init": (POINTER(SelectConfig), address, size, POINTER(c_void_p)),
-        "vdna_select_feed": (address, POINTER(SelectFrame), POINTER(SelectAnswer)),
+        "vdna_select_feed_seen": (address, POINTER(SelectFrame), address, POINTER(SelectAnswer)),
         "vdna_identity_check": (POINTER(IdentityFields), POINTER(Error)),
         "vdna_identity_compare": (
             POINTER(IdentityFields),
@@ -564,6 +569,11 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_select_margin_bins": (c_double, (address,)),
         "vdna_select_where": (POINTER(SelectPosition), (address,)),
         "vdna_select_ranking": (POINTER(RankPlace), (address, POINTER(c_uint32))),
+        "vdna_select_ranked_by": (c_uint32, (address,)),
+        "vdna_select_trust": (POINTER(TrustAnswerFields), (address,)),
+        "vdna_select_predictions": (POINTER(TrustPredictionFields), (address, POINTER(c_uint32))),
+        "vdna_select_switches": (c_uint64, (address,)),
+        "vdna_select_previous": (c_uint32, (address,)),
         "vdna_select_live": (None, (address, POINTER(HistView))),
         "vdna_select_window_frames": (c_uint32, (address,)),
         "vdna_select_first_utime": (c_int64, (address,)),

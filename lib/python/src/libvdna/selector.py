@@ -1,4 +1,5 @@
-"""The selector: warm up on live frames, rank the experiences, choose one, localise in it."""
+"""The selector: warm up on live frames, rank the experiences, choose one or say that none fits,
+localise in it, choose again."""
 
 from __future__ import annotations
 
@@ -8,14 +9,17 @@ from typing import Any, List, NamedTuple, Optional, Sequence, SupportsIndex, Tup
 from numpy.typing import ArrayLike
 
 from ._arrays import UINT32_MAX, block, floats, integer, shaped
-from ._library import HistView, SelectAnswer, SelectCandidate, SelectConfig, SelectFrame, lib
+from ._library import HistView, SelectAnswer, SelectCandidate, SelectConfig, SelectFrame
+from ._library import TrustRunFields, lib
 from .activations import Tap, Taps
 from .distance import RankEntry, entries
 from .experience import Experience
 from .histogram import HistogramView, view_of
 from .localiser import Localiser, Place, place_of
+from .trust import StoredRun, Trust, TrustAnswer, trust_answer
 
-_SELECTED = 1
+_WARMUP, _NONE_FITS = 0, 2
+_METHODS = ("emd", "transfer", "relative")  # indexed by VDNA_SELECT_BY_...
 _INT64_MAX = 2**63 - 1
 _TIME_UNITS = ("auto", "us", "ns", "ms", "s")  # indexed by VDNA_TIME_UNIT_...
 
@@ -44,12 +48,14 @@ class Answer(NamedTuple):
     selected: bool
     """Whether an experience is chosen."""
     newly_ranked: bool
-    """Whether this frame completed the warmup."""
+    """Whether this frame completed a warmup."""
     restarted: bool
     """Whether the warmup began anew: camera time stepped back, or had a gap longer than the warmup,
     or turned out to have another unit."""
     match: Optional[Match]
     """None if the frame was not localised."""
+    none_fits: bool
+    """Whether no experience fits, so that the chosen is but the least bad."""
 
 
 class Selector:
@@ -69,6 +75,11 @@ class Selector:
         time_unit: str = "auto",
         localisers: Optional[Sequence[Localiser]] = None,
         top: SupportsIndex = 1,
+        trust: Optional[Trust] = None,
+        runs: Optional[Sequence[StoredRun]] = None,
+        rank: str = "emd",
+        stop_early: bool = False,
+        reselect: bool = False,
     ) -> None:
         """
         candidates: at least one, all of one shape, range and dim; not copied
@@ -80,7 +91,13 @@ class Selector:
         time_unit: of the stamps: "us", "ns", "ms", "s", or "auto" to recognise it
         localisers: one for each candidate, of its embeddings, which this selector feeds: `where` then
                     tells the place by the filter; None = the nearest frame by Euclidean distance
-        top: localise in so many of the nearest candidates at once; 1 without localisers
+        top: localise in so many of the first of the ranking at once; 1 without localisers
+        trust: in the choice among the candidates, which this selector feeds; with it, it may find that
+               none fits, and then warms up again while it localises in the least bad
+        runs: needed with trust: of each candidate, with its last layer if `trust.fit.by_likeness`
+        rank: "emd", by the distance, or "transfer", where trust tells that of every candidate
+        stop_early: choose when trust says that the choice has settled
+        reselect: reconsider the choice while driving; needs trust and localisers
         VdnaError: MISMATCH if the candidates do not compare, EMPTY or OVERFLOW as emd()
         """
         if not candidates:
@@ -112,22 +129,43 @@ class Selector:
         table = None if localisers is None else _addresses(localisers, len(candidates))
         if table is not None:
             config.localisers = table
+        if rank not in _METHODS[:2]:
+            raise ValueError(f"rank is {rank!r}, expected 'emd' or 'transfer'")
+        if (trust is None) != (runs is None):
+            raise ValueError("give trust and runs, or neither")
+        config.rank = _METHODS.index(rank)
+        config.stop_early, config.reselect = bool(stop_early), bool(reselect)
+        run_structs, self._last_layer_dim = None, 0
+        if trust is not None and runs is not None:
+            run_structs = _run_structs(runs, len(candidates))
+            config.trust, config.runs = trust.address, run_structs
+            self._last_layer_dim = run_structs[0].last_layer_dim if trust.fit.by_likeness else 0
         memory = block(lib.vdna_select_mem_size(config))
         self._select = c_void_p()  # within `memory`
         lib.vdna_select_init(config, memory.ctypes.data, memory.nbytes, self._select)
 
         # All that the library borrows.
-        self._owner: Any = (list(candidates), embeddings, structs, localisers, table, memory)
+        self._owner: Any = (
+            (list(candidates), embeddings, structs, localisers, table, memory),
+            (trust, runs, run_structs),
+        )
         live = HistView()
         lib.vdna_select_live(self._select, live)
         self._live = HistogramView._over(self._owner, live)
 
-    def feed(self, utime: SupportsIndex, embedding: ArrayLike, *taps: Tap) -> Answer:
+    def feed(
+        self,
+        utime: SupportsIndex,
+        embedding: ArrayLike,
+        *taps: Tap,
+        last_layer: Optional[ArrayLike] = None,
+    ) -> Answer:
         """Take one live frame; nothing of it is kept.
 
         utime: the camera's stamp
         embedding: float32 [dim]
         taps: as for Histogram.add()
+        last_layer: float32 [its own size]; needed if `trust.fit.by_likeness`, ignored otherwise
         VdnaError: MISMATCH or NONFINITE for a bad frame, which is counted as rejected; LATE for one
                    older than a frame before it, which is counted as late; OVERFLOW or
                    FULL if the window is too large to rank, in which case the warmup begins anew
@@ -140,11 +178,19 @@ class Selector:
             activations.count,
             values.ctypes.data,
         )
+        last = None
+        if self._last_layer_dim > 0 and last_layer is not None:
+            last = shaped(floats(last_layer, "last_layer"), (self._last_layer_dim,), "last_layer")
         answer = SelectAnswer()
-        lib.vdna_select_feed(self._select, frame, answer)
+        last_address = None if last is None else last.ctypes.data
+        lib.vdna_select_feed_seen(self._select, frame, last_address, answer)
         match = Match(answer.match.index, answer.match.distance_sq) if answer.localised else None
         return Answer(
-            answer.state == _SELECTED, answer.newly_ranked != 0, answer.restarted != 0, match
+            answer.state != _WARMUP,
+            answer.newly_ranked != 0,
+            answer.restarted != 0,
+            match,
+            answer.state == _NONE_FITS,
         )
 
     def reset(self) -> None:
@@ -154,11 +200,16 @@ class Selector:
     @property
     def selected(self) -> bool:
         """Whether an experience is chosen; else the warmup goes on."""
-        return bool(lib.vdna_select_state(self._select) == _SELECTED)
+        return bool(lib.vdna_select_state(self._select) != _WARMUP)
+
+    @property
+    def none_fits(self) -> bool:
+        """Whether no experience fits, so that the chosen is but the least bad; `trust` says why."""
+        return bool(lib.vdna_select_state(self._select) == _NONE_FITS)
 
     @property
     def progress(self) -> float:
-        """How far the warmup is: 0 to 1."""
+        """How far the warmup is: 0 to 1. If none fits, that of the next one."""
         return float(lib.vdna_select_progress(self._select))
 
     @property
@@ -177,16 +228,42 @@ class Selector:
 
     @property
     def ranking(self) -> Optional[List[RankEntry]]:
-        """All candidates, nearest first; None during the warmup."""
+        """All candidates, the chosen first; None during the warmup."""
         count = c_uint32()
         ranking = lib.vdna_select_ranking(self._select, count)
         return entries(ranking[: count.value]) if ranking else None
 
     @property
     def margin_bins(self) -> Optional[float]:
-        """Distance of the second candidate less that of the first, 0 if there is but one; None
-        during the warmup."""
+        """Distance of the second candidate less that of the first, 0 if there is but one, below 0 if
+        something else than distance ranked them; None during the warmup."""
         return float(lib.vdna_select_margin_bins(self._select)) if self.selected else None
+
+    @property
+    def ranked_by(self) -> Optional[str]:
+        """What ordered the ranking: "emd", "transfer", or "relative", after a warmup that stopped
+        early; None during the warmup."""
+        return _METHODS[lib.vdna_select_ranked_by(self._select)] if self.selected else None
+
+    @property
+    def trust(self) -> Optional[TrustAnswer]:
+        """What trust said of the warmup; None without trust and during the warmup."""
+        answer = lib.vdna_select_trust(self._select)
+        if not answer:
+            return None
+        count = c_uint32()
+        predictions = lib.vdna_select_predictions(self._select, count)
+        return trust_answer(answer.contents, predictions[: count.value])
+
+    @property
+    def switches(self) -> int:
+        """Switches to another choice while driving."""
+        return int(lib.vdna_select_switches(self._select))
+
+    @property
+    def previous(self) -> Optional[int]:
+        """Index of what was chosen before the newest switch; None if there was none."""
+        return int(lib.vdna_select_previous(self._select)) if self.switches else None
 
     @property
     def live(self) -> HistogramView:
@@ -233,3 +310,11 @@ def _addresses(localisers: Sequence[Localiser], count: int) -> Any:
             f"there are {len(localisers)} localisers, expected one for each of {count} candidates"
         )
     return (c_void_p * count)(*(localiser.address for localiser in localisers))
+
+
+def _run_structs(runs: Sequence[StoredRun], count: int) -> Any:
+    if len(runs) != count:
+        raise ValueError(
+            f"there are {len(runs)} runs, expected one for each of {count} candidates"
+        )
+    return (TrustRunFields * count)(*(run.fields for run in runs))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from ctypes import byref, c_double, c_uint32, c_void_p, pointer
-from typing import List, NamedTuple, Optional, Sequence, SupportsIndex, Tuple
+from typing import Iterable, List, NamedTuple, Optional, Sequence, SupportsIndex, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -114,6 +114,11 @@ class StoredRun:
         """Number of frames."""
         return int(self._fields.frames)
 
+    @property
+    def fields(self) -> TrustRunFields:
+        """The struct of the library, which borrows from this run."""
+        return self._fields
+
 
 class TrustTables(NamedTuple):
     """What a map knows about itself. vdna/trust.h has the definitions."""
@@ -205,6 +210,8 @@ class Prediction(NamedTuple):
     """What runs like this one got in it, 0..1: for ranking; NaN = not known."""
     nearest: float
     """Mean relative nearest distance of the live frames; 1 = no nearer than a wrong place."""
+    score: float
+    """By which the choice settles: for ranking after a few frames, descending."""
     reason: str
     """Why there is no prediction; "" if there is."""
 
@@ -327,14 +334,7 @@ class Trust:
         lib.vdna_trust_predict(
             self._trust, None if distances is None else distances.ctypes.data, fields, answer
         )
-        return TrustAnswer(
-            Verdict(answer.verdict),
-            answer.frames,
-            answer.choice,
-            answer.settled_frames,
-            answer.unlike,
-            [_prediction_of(f) for f in fields],
-        )
+        return trust_answer(answer, fields)
 
     def choose(self, candidate: SupportsIndex) -> None:
         """Begin to watch a choice, whoever made it.
@@ -370,6 +370,11 @@ class Trust:
         )
         return choice.value
 
+    @property
+    def address(self) -> Optional[int]:
+        """Of the C object."""
+        return self._trust.value
+
     def reset(self) -> None:
         """Begin the warmup anew."""
         lib.vdna_trust_reset(self._trust)
@@ -395,8 +400,28 @@ class Trust:
         return view(self._memory, address, (self._runs,), np.float64)
 
 
+def trust_answer(
+    answer: TrustAnswerFields, predictions: Iterable[TrustPredictionFields]
+) -> TrustAnswer:
+    """Of the fields of the library."""
+    return TrustAnswer(
+        Verdict(answer.verdict),
+        answer.frames,
+        answer.choice,
+        answer.settled_frames,
+        answer.unlike,
+        [_prediction_of(fields) for fields in predictions],
+    )
+
+
 def _prediction_of(fields: TrustPredictionFields) -> Prediction:
     reason: bytes = lib.vdna_trust_reason_text(fields.reason)
     return Prediction(
-        fields.recall, fields.low, fields.high, fields.transfer, fields.nearest, reason.decode()
+        fields.recall,
+        fields.low,
+        fields.high,
+        fields.transfer,
+        fields.nearest,
+        fields.score,
+        reason.decode(),
     )

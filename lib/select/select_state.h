@@ -1,0 +1,77 @@
+/* What a selector holds, and what its files do for one another. Private to lib/select. */
+#ifndef VDNA_SELECT_SELECT_STATE_H
+#define VDNA_SELECT_SELECT_STATE_H
+
+#include <vdna/select.h>
+#include <vdna/window.h>
+
+/* At the beginning of the caller's block; the arrays and the window follow. */
+struct vdna_select {
+    vdna_select_config config;
+    vdna_window *window;
+    vdna_hist_view *views;    /* [candidate_count] */
+    vdna_rank_entry *ranking; /* [candidate_count], of the newest choice; the chosen is the first */
+    void *scratch;
+    vdna_camera_time time;
+
+    /* If there are localisers. */
+    vdna_select_position position; /* valid once there is a choice */
+    vdna_localise_answer *answers; /* [candidate_count], of those that are followed */
+    float *leads;                  /* [VDNA_LOCALISE_LEAD_FRAMES][dim], a ring */
+    uint64_t lead_count;           /* all so far */
+
+    /* If there is trust. */
+    vdna_trust_answer trusted;          /* at the newest choice, as are the predictions */
+    vdna_trust_prediction *predictions; /* [candidate_count] */
+    double *of_candidates;              /* [candidate_count], working memory; of a frame of a warmup
+                                           its rho in each */
+    double *likeness;                   /* [candidate_count], its rho on the last layer */
+    int8_t *codes;                      /* its last layer, if trust needs it */
+    float code_scale;
+
+    uint32_t state, chosen, ranked_by;
+    uint32_t is_over; /* whether the window is that of the newest choice, so that the next frame to
+                         warm up with begins another */
+    uint32_t previous, restart_cause;
+    uint64_t accepted, rejected, restarts, switches;
+};
+
+/* ---- select_trust.c ---- */
+
+/* Whether the fields of the config that have to do with trust go together; all others do. */
+int vdna_select_may_trust(const vdna_select_config *config);
+
+/* Numbers of a last layer that trust needs; 0 = none. */
+uint32_t vdna_select_codes(const vdna_select_config *config);
+
+/* Check the last layer of a frame, and keep its codes.
+ * @param last_layer  ignored if it is not needed */
+vdna_status vdna_select_encode(vdna_select *select, const float *last_layer);
+
+/* How far a frame, whose codes are kept, is from every candidate. */
+vdna_status vdna_select_measure(vdna_select *select, const float *embedding);
+
+/* Count the frame that was measured. */
+void vdna_select_count(vdna_select *select);
+
+/* Ask trust about the ranking by distance, and bring it into the order of the choice.
+ * @param is_early  whether the choice has settled before the end of the warmup */
+void vdna_select_judge(vdna_select *select, int is_early);
+
+/* ---- select_follow.c ---- */
+
+/* Let the localisers forget everything. */
+void vdna_select_forget(vdna_select *select);
+
+/* Take a frame of the first warmup: the one that it pushes out of the leads goes into the live
+ * means. */
+void vdna_select_take_lead(vdna_select *select, const float *embedding);
+
+/* Let the localisers follow the leads to where the robot is. */
+void vdna_select_follow_leads(vdna_select *select);
+
+/* Localise a frame after the choice, and reconsider that if told to. */
+vdna_status vdna_select_localise(vdna_select *select, const float *embedding,
+                                 vdna_select_answer *answer);
+
+#endif

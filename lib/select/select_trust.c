@@ -1,0 +1,178 @@
+#include <math.h>
+
+#include <vdna/int8.h>
+
+#include "select_state.h"
+
+static int is_by_likeness(const vdna_select_config *config)
+{
+    return config->trust && vdna_trust_fitted(config->trust)->by_likeness;
+}
+
+/* see select_state.h */
+uint32_t vdna_select_codes(const vdna_select_config *config)
+{
+    return is_by_likeness(config) ? config->runs[0].last_layer_dim : 0;
+}
+
+/* ---- Configuration ---- */
+
+static int has_codes(const vdna_trust_run *run, uint32_t dim)
+{
+    return run->last_layer && run->last_layer_scale && run->last_layer_dim == dim && dim > 0 &&
+           dim <= VDNA_TRUST_CODES_MAX;
+}
+
+/* Whether frames can be measured in a candidate. */
+static int is_run(const vdna_select_config *config, uint32_t i)
+{
+    const vdna_trust_run *run = &config->runs[i];
+    if (!run->embeddings || run->frames != config->candidates[i].frames || run->dim != config->dim)
+        return 0;
+    return !is_by_likeness(config) || has_codes(run, config->runs[0].last_layer_dim);
+}
+
+/* see select_state.h */
+int vdna_select_may_trust(const vdna_select_config *config)
+{
+    if (config->rank > VDNA_SELECT_BY_TRANSFER || config->stop_early > 1 || config->reselect > 1)
+        return 0;
+    if (config->reselect && (!config->trust || !config->localisers))
+        return 0;
+    if (!config->trust)
+        return 1;
+    if (!config->runs || vdna_trust_runs(config->trust) != config->candidate_count)
+        return 0;
+    for (uint32_t i = 0; i < config->candidate_count; i++)
+        if (!is_run(config, i))
+            return 0;
+    return 1;
+}
+
+/* ---- Frames ---- */
+
+/* see select_state.h */
+vdna_status vdna_select_encode(vdna_select *select, const float *last_layer)
+{
+    const uint32_t count = vdna_select_codes(&select->config);
+    return count == 0 ? VDNA_OK
+                      : vdna_int8_encode(last_layer, count, select->codes, &select->code_scale);
+}
+
+static vdna_status measure_in(vdna_select *select, const float *embedding, uint32_t i)
+{
+    const vdna_trust_run *run = &select->config.runs[i];
+    const vdna_status status = vdna_trust_nearest(embedding, run->embeddings, run->dim, run->frames,
+                                                  &select->of_candidates[i], NULL);
+    if (status != VDNA_OK || !is_by_likeness(&select->config))
+        return status;
+    return vdna_trust_nearest_int8(select->codes, select->code_scale, run->last_layer,
+                                   run->last_layer_scale, run->last_layer_dim, run->frames,
+                                   &select->likeness[i]);
+}
+
+/* see select_state.h */
+vdna_status vdna_select_measure(vdna_select *select, const float *embedding)
+{
+    vdna_status status = VDNA_OK;
+    const uint32_t count = select->config.trust ? select->config.candidate_count : 0;
+    for (uint32_t i = 0; status == VDNA_OK && i < count; i++)
+        status = measure_in(select, embedding, i);
+    return status;
+}
+
+/* see select_state.h */
+void vdna_select_count(vdna_select *select)
+{
+    /* Nothing that was measured is refused, unless there are very many; then these are enough. */
+    vdna_trust_feed(select->config.trust, select->of_candidates, select->likeness);
+}
+
+/* ---- The choice ---- */
+
+/* By what a ranking is ordered, the highest first. */
+static double merit_of(const vdna_select *select, const vdna_rank_entry *entry)
+{
+    const vdna_trust_prediction *of = &select->predictions[entry->candidate];
+    return select->ranked_by == VDNA_SELECT_BY_RELATIVE ? of->score : of->transfer;
+}
+
+/* Order a ranking by merit; those of the same keep their order, which is that of the distances. */
+static void order_by_merit(const vdna_select *select)
+{
+    vdna_rank_entry *const ranking = select->ranking;
+    for (uint32_t i = 1; i < select->config.candidate_count; i++) {
+        const vdna_rank_entry entry = ranking[i];
+        const double merit = merit_of(select, &entry);
+        uint32_t at = i;
+        for (; at > 0 && merit > merit_of(select, &ranking[at - 1]); at--)
+            ranking[at] = ranking[at - 1];
+        ranking[at] = entry;
+    }
+}
+
+/* Mark those that only the order of the candidates tells apart. */
+static void mark_ties(const vdna_select *select)
+{
+    vdna_rank_entry *const ranking = select->ranking;
+    ranking[0].tied = 0;
+    for (uint32_t i = 1; i < select->config.candidate_count; i++) {
+        ranking[i].tied = ranking[i].distance_bins == ranking[i - 1].distance_bins &&
+                          merit_of(select, &ranking[i]) == merit_of(select, &ranking[i - 1]);
+        ranking[i - 1].tied |= ranking[i].tied;
+    }
+}
+
+static int has_transfer(const vdna_select *select)
+{
+    int all = 1;
+    for (uint32_t i = 0; i < select->config.candidate_count; i++)
+        all &= isnan(select->predictions[i].transfer) ? 0 : 1;
+    return all;
+}
+
+static uint32_t method_of(const vdna_select *select, int is_early)
+{
+    if (is_early)
+        return VDNA_SELECT_BY_RELATIVE;
+    const int is_wanted = select->config.rank == VDNA_SELECT_BY_TRANSFER;
+    return is_wanted && has_transfer(select) ? VDNA_SELECT_BY_TRANSFER : VDNA_SELECT_BY_EMD;
+}
+
+/* see select_state.h */
+void vdna_select_judge(vdna_select *select, int is_early)
+{
+    if (!select->config.trust)
+        return;
+    for (uint32_t i = 0; i < select->config.candidate_count; i++)
+        select->of_candidates[select->ranking[i].candidate] = select->ranking[i].distance_bins;
+    vdna_trust_predict(select->config.trust, select->of_candidates, select->predictions,
+                       &select->trusted);
+    select->ranked_by = method_of(select, is_early);
+    if (select->ranked_by == VDNA_SELECT_BY_EMD)
+        return;
+    order_by_merit(select);
+    mark_ties(select);
+}
+
+/* ---- Accessors ---- */
+
+static int has_trusted(const vdna_select *select)
+{
+    return vdna_select_state(select) != VDNA_SELECT_WARMUP && select->config.trust;
+}
+
+/* see vdna/select.h */
+const vdna_trust_answer *vdna_select_trust(const vdna_select *select)
+{
+    return has_trusted(select) ? &select->trusted : NULL;
+}
+
+/* see vdna/select.h */
+const vdna_trust_prediction *vdna_select_predictions(const vdna_select *select, uint32_t *out_count)
+{
+    const int is_there = has_trusted(select);
+    if (out_count)
+        *out_count = is_there ? select->config.candidate_count : 0;
+    return is_there ? select->predictions : NULL;
+}

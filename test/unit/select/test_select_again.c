@@ -1,0 +1,300 @@
+/* A selector with localisers that reconsiders its choice while driving, and one in which none fits:
+ * whom it switches to, when, and what the localisers have seen by then. */
+#include <math.h>
+#include <string.h>
+
+#include <vdna/select.h>
+
+#include "cmocka_all.h"
+
+#define OK(call) assert_int_equal((call), VDNA_OK)
+
+/* Experiences go along the same route of directions at random. That of the day sees it by the first
+ * half of an embedding, that of the night by the second one, a third sees nothing of it. All the
+ * Visual DNA of experience b is in bin b. */
+enum { RUNS = 3, FRAMES = 40, HALF = 8, DIM = 2 * HALF, BINS = 4, WORDS = 4096 };
+enum { DAY, FOG, NIGHT };
+static const float range[] = {0, BINS};
+static const uint32_t counts[RUNS][BINS] = {{1}, {0, 1}, {0, 0, 1}}, mass = 1;
+
+static float route[FRAMES][HALF], embeddings[RUNS][FRAMES][DIM];
+static vdna_select_candidate candidates[RUNS];
+static vdna_trust_run runs[RUNS];
+static int64_t map_block[RUNS][WORDS], localiser_block[RUNS][WORDS], block[WORDS];
+static vdna_localise *localisers[RUNS];
+static uint32_t random_state;
+
+static float noise(void)
+{
+    random_state = random_state * 1664525 + 1013904223;
+    return (float)(random_state >> 8) / (1 << 23) - 1;
+}
+
+/* What a camera sees. */
+static void see(uint32_t frame, uint32_t light, float *out)
+{
+    const float by_day = light == DAY ? 1.0f : 0.0f, by_night = light == NIGHT ? 1.0f : 0.0f;
+    for (uint32_t i = 0; i < HALF; i++) {
+        out[i] = by_day * route[frame][i] + 0.2f * noise();
+        out[HALF + i] = by_night * route[FRAMES - 1 - frame][i] + 0.2f * noise();
+    }
+}
+
+static void make_localiser(uint32_t b)
+{
+    vdna_localise_map_config of_map;
+    vdna_localise_map_config_init(&of_map);
+    of_map.frames = FRAMES;
+    of_map.dim = DIM;
+    of_map.embeddings = embeddings[b][0];
+    vdna_localise_map *map;
+    OK(vdna_localise_map_init(&of_map, map_block[b], sizeof *map_block, &map));
+    vdna_localise_config config;
+    vdna_localise_config_init(&config);
+    config.map = map;
+    config.tolerance = 1;
+    OK(vdna_localise_init(&config, localiser_block[b], sizeof *localiser_block, &localisers[b]));
+}
+
+static void make_map(void)
+{
+    random_state = 1;
+    for (uint32_t f = 0; f < FRAMES; f++)
+        for (uint32_t i = 0; i < HALF; i++)
+            route[f][i] = noise();
+    for (uint32_t b = 0; b < RUNS; b++) {
+        for (uint32_t f = 0; f < FRAMES; f++)
+            see(f, b, embeddings[b][f]);
+        make_localiser(b);
+        const vdna_select_candidate candidate = {
+            {range, counts[b], &mass, 1, BINS}, NULL, FRAMES, 0};
+        const vdna_trust_run run = {embeddings[b][0], NULL, NULL, NULL, NULL, FRAMES, DIM, 0, 0};
+        candidates[b] = candidate;
+        runs[b] = run;
+    }
+}
+
+/* Trust that knows nothing of the map, unless there are tables. */
+static vdna_trust *make_trust(const vdna_trust_tables *tables)
+{
+    static int64_t room[1024];
+    vdna_trust_config config;
+    vdna_trust_config_init(&config);
+    config.runs = RUNS;
+    config.tables = tables;
+    vdna_trust *trust;
+    OK(vdna_trust_init(&config, room, sizeof room, &trust));
+    return trust;
+}
+
+static vdna_select *selector(vdna_trust *trust, uint32_t frames, uint32_t reselect)
+{
+    vdna_select_config config;
+    vdna_select_config_init(&config);
+    config.candidates = candidates;
+    config.candidate_count = RUNS;
+    config.dim = DIM;
+    config.warmup_frames = frames;
+    config.time_unit = VDNA_TIME_UNIT_US;
+    config.localisers = localisers;
+    config.trust = trust;
+    config.runs = runs;
+    config.reselect = reselect;
+    vdna_select *select;
+    OK(vdna_select_init(&config, block, sizeof block, &select));
+    return select;
+}
+
+/* Of a robot that drives along the route again and again. */
+static vdna_select_answer drive(vdna_select *select, uint32_t time, uint32_t light)
+{
+    float embedding[DIM];
+    see(time % FRAMES, light, embedding);
+    const float activation = 0.5f; /* as by day */
+    const vdna_activations tap = {&activation, 1, 1, 0};
+    const vdna_select_frame frame = {time, &tap, 1, embedding};
+    vdna_select_answer answer;
+    OK(vdna_select_feed(select, &frame, &answer));
+    return answer;
+}
+
+static void a_constant_drive_sees_no_switch(void **state)
+{
+    (void)state;
+    make_map();
+    vdna_select *select = selector(make_trust(NULL), 12, 1);
+    for (uint32_t t = 0; t < 300; t++)
+        drive(select, t, DAY);
+    assert_int_equal(vdna_select_chosen(select), DAY);
+    assert_int_equal(vdna_select_switches(select), 0);
+    assert_int_equal(vdna_select_previous(select), 0);
+}
+
+static void a_change_of_light_is_one_switch_and_the_new_choice_knows_the_place(void **state)
+{
+    (void)state;
+    make_map();
+    vdna_select *select = selector(make_trust(NULL), 12, 1);
+    uint32_t t = 0;
+    for (; t < 60; t++)
+        drive(select, t, DAY);
+    vdna_rank_entry before[RUNS];
+    memcpy(before, vdna_select_ranking(select, NULL), sizeof before);
+    assert_int_equal(before[2].candidate, NIGHT);
+    assert_true(vdna_select_margin_bins(select) == 1);
+    for (; vdna_select_switches(select) == 0; t++) {
+        assert_true(t < 120);
+        const vdna_select_answer answer = drive(select, t, NIGHT);
+        assert_int_equal(answer.newly_ranked, 0);
+        assert_int_equal(answer.state, VDNA_SELECT_SELECTED);
+    }
+    const vdna_select_position *where = vdna_select_where(select);
+    assert_int_equal(vdna_select_chosen(select), NIGHT);
+    assert_int_equal(where->candidate, NIGHT);
+    assert_int_equal(where->answer.frame, (t - 1) % FRAMES);
+    assert_true(where->answer.confidence > 0.5);
+
+    const vdna_rank_entry *ranking = vdna_select_ranking(select, NULL);
+    assert_memory_equal(&ranking[0], &before[2], sizeof *before);
+    assert_memory_equal(&ranking[1], before, 2 * sizeof *before);
+    assert_true(vdna_select_margin_bins(select) == -2);
+    assert_int_equal(vdna_select_previous(select), DAY);
+    for (uint32_t end = t + 200; t < end; t++)
+        drive(select, t, NIGHT);
+    assert_int_equal(vdna_select_switches(select), 1);
+
+    vdna_select_reset(select); /* counters stay */
+    assert_int_equal(vdna_select_switches(select), 1);
+}
+
+static void nothing_is_reconsidered_unless_told_to(void **state)
+{
+    (void)state;
+    make_map();
+    vdna_select *select = selector(make_trust(NULL), 12, 0);
+    for (uint32_t t = 0; t < 60; t++)
+        drive(select, t, DAY);
+    for (uint32_t t = 60; t < 200; t++)
+        drive(select, t, NIGHT);
+    assert_int_equal(vdna_select_switches(select), 0);
+    assert_true(vdna_localise_evidence(localisers[NIGHT]) == 0);
+}
+
+/* ---- None fits ---- */
+
+/* Every run found the others at so small a distance that nothing is like them. */
+static const vdna_trust_tables *lonely_tables(void)
+{
+    static const uint32_t frames[RUNS] = {FRAMES, FRAMES, FRAMES};
+    static const double own[RUNS] = {1, 1, 1}, correlation[RUNS] = {NAN, NAN, NAN};
+    static vdna_trust_cell cells[RUNS * RUNS];
+    static const vdna_trust_tables tables = {frames, own, correlation, cells};
+    for (uint32_t i = 0; i < RUNS * RUNS; i++)
+        for (uint32_t w = 0; w < VDNA_TRUST_WINDOWS; w++) {
+            cells[i].nearest[w] = 0.5;
+            cells[i].likeness[w] = cells[i].recall[w] = cells[i].distance[w] = NAN;
+        }
+    return &tables;
+}
+
+/* A frame that is unlike all. */
+static vdna_select_answer drive_in_the_dark(vdna_select *select, uint32_t time)
+{
+    float embedding[DIM];
+    for (uint32_t i = 0; i < DIM; i++)
+        embedding[i] = 10 * noise();
+    const float activation = 3.5f;
+    const vdna_activations tap = {&activation, 1, 1, 0};
+    const vdna_select_frame frame = {time, &tap, 1, embedding};
+    vdna_select_answer answer;
+    OK(vdna_select_feed(select, &frame, &answer));
+    return answer;
+}
+
+static void while_none_fits_all_localisers_follow_so_the_next_choice_knows_the_place(void **state)
+{
+    (void)state;
+    const uint32_t warmups[] = {5, 15}; /* fewer frames than lead, and more */
+    for (uint32_t w = 0; w < 2; w++) {
+        make_map();
+        const uint32_t frames = warmups[w];
+        vdna_select *select = selector(make_trust(lonely_tables()), frames, w);
+        uint32_t t = 0;
+        for (; t < frames; t++)
+            drive_in_the_dark(select, t);
+        assert_int_equal(vdna_select_state(select), VDNA_SELECT_NONE_FITS);
+        assert_int_equal(vdna_select_chosen(select), NIGHT);
+        assert_int_equal(vdna_select_where(select)->candidate, NIGHT);
+        for (; t < 2 * frames - 1; t++)
+            assert_int_equal(drive(select, t, DAY).localised, 1);
+        assert_int_equal(vdna_select_where(select)->candidate, NIGHT);
+        assert_int_equal(vdna_select_switches(select), 0);
+        const vdna_select_answer answer = drive(select, t, DAY);
+        assert_int_equal(answer.newly_ranked, 1);
+        assert_int_equal(answer.state, VDNA_SELECT_SELECTED);
+        assert_int_equal(answer.localised, 1);
+        assert_int_equal(vdna_select_chosen(select), DAY);
+        const vdna_select_position *where = vdna_select_where(select);
+        assert_int_equal(where->candidate, DAY);
+        assert_int_equal(where->answer.nearest, t % FRAMES);
+        assert_int_equal(answer.match.index, t % FRAMES);
+        assert_int_equal(where->answer.frame, t % FRAMES);
+        drive(select, ++t, DAY);
+        assert_int_equal(vdna_select_where(select)->answer.frame, t % FRAMES);
+    }
+}
+
+/* Live means are those of localisers that were fed these frames and no others. */
+static void every_localiser_sees_every_frame_of_the_newest_warmup_once(void **state)
+{
+    (void)state;
+    make_map();
+    vdna_select *select = selector(make_trust(lonely_tables()), 15, 0);
+    for (uint32_t t = 0; t < 25; t++)
+        drive_in_the_dark(select, t);
+    double found[RUNS][DIM];
+    for (uint32_t b = 0; b < RUNS; b++)
+        memcpy(found[b], vdna_localise_mean(localisers[b]), sizeof found[b]);
+    make_map(); /* and its randomness */
+    for (uint32_t t = 0; t < 25; t++) {
+        float embedding[DIM];
+        for (uint32_t i = 0; i < DIM; i++)
+            embedding[i] = 10 * noise();
+        for (uint32_t b = 0; b < RUNS && t >= 15; b++)
+            OK(vdna_localise_warm_up(localisers[b], embedding));
+    }
+    for (uint32_t b = 0; b < RUNS; b++)
+        assert_memory_equal(found[b], vdna_localise_mean(localisers[b]), sizeof found[b]);
+}
+
+static void reconsidering_needs_trust_and_localisers(void **state)
+{
+    (void)state;
+    make_map();
+    vdna_select_config config;
+    vdna_select_config_init(&config);
+    config.candidates = candidates;
+    config.candidate_count = RUNS;
+    config.dim = DIM;
+    config.warmup_frames = 5;
+    config.localisers = localisers;
+    assert_true(vdna_select_mem_size(&config) > 0);
+    config.reselect = 1;
+    assert_int_equal(vdna_select_mem_size(&config), 0);
+    config.trust = make_trust(NULL);
+    config.runs = runs;
+    assert_true(vdna_select_mem_size(&config) > 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_constant_drive_sees_no_switch),
+        cmocka_unit_test(a_change_of_light_is_one_switch_and_the_new_choice_knows_the_place),
+        cmocka_unit_test(nothing_is_reconsidered_unless_told_to),
+        cmocka_unit_test(while_none_fits_all_localisers_follow_so_the_next_choice_knows_the_place),
+        cmocka_unit_test(every_localiser_sees_every_frame_of_the_newest_warmup_once),
+        cmocka_unit_test(reconsidering_needs_trust_and_localisers),
+    };
+    return cmocka_run_group_tests_name("select_again", tests, NULL, NULL);
+}
