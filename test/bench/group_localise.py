@@ -1,5 +1,5 @@
 """A frame of the localiser, the step of its filter included, beside a search for the nearest row alone, which is
-all that one fused map costs, and beside SeqSLAM.
+all that one fused map costs, and beside SeqSLAM; and a frame of a warmup with trust.
 
 Every function yields (name, unit, units in a second, result of compare(), more numbers)."""
 import ctypes
@@ -21,6 +21,8 @@ def run(context):
                                                      (100000, 1008)]:
         if rows * dim < 1e8 or not context.quick:
             yield localise(context, rows, dim, inference if rows <= 1150 else None)
+    for count in [2] if context.tiny else [4] if context.quick else [4, 100]:
+        yield warm_up(context, count, *((50, 8, 12) if context.tiny else (1150, 1008, 1280)), inference)
 
 
 def inference_seconds(context):
@@ -63,6 +65,31 @@ def localise(context, rows, dim, inference):
     timed = scaled(compare(ours, peers, context.seconds), LIVE)
     more = {"of_an_inference_percent": 100 * timed["median"] / inference} if inference else {}
     return f"localise {rows}x{dim}", "us", 1e6, timed, more
+
+
+def warm_up(context, count, rows, dim, last_dim, inference):
+    """A frame of a warmup of a selector with trust among experiences of random rows; its Visual DNA is of one
+    neuron, so nearly all is trust's."""
+    from libvdna import Candidate, Histogram, Selector, StoredRun, Trust, TrustTables
+    from libvdna._library import Activations, SelectAnswer, SelectFrame, lib
+    random = np.random.default_rng(1)
+    histogram = Histogram(np.array([[-1, 1]], np.float32), bins=2)
+    histogram.add(np.zeros(1, np.float32))
+    candidates = [Candidate(histogram, random.standard_normal((rows, dim), np.float32)) for _ in range(count)]
+    runs = [StoredRun(candidate.embeddings, last_layer=random.standard_normal((rows, last_dim), np.float32))
+            for candidate in candidates]
+    tables = TrustTables(np.full(count, rows, np.uint32), np.ones(count), np.ones(count),
+                         np.full((count, count, 4, 7), 0.5))
+    selector = Selector(candidates, warmup_frames=2 ** 32 - 1, trust=Trust(tables), runs=runs)
+    embedding = random.standard_normal(dim, np.float32)
+    last_layer = random.standard_normal(last_dim, np.float32)
+    activation = np.zeros(1, np.float32)
+    tap = Activations(activation.ctypes.data, 1, 1, 0)
+    frame = SelectFrame(0, ctypes.pointer(tap), 1, embedding.ctypes.data)
+    arguments = selector._select, ctypes.byref(frame), last_layer.ctypes.data, ctypes.byref(SelectAnswer())
+    timed = compare(lambda: lib.vdna_select_feed_seen(*arguments), seconds=context.seconds)
+    more = {"of_an_inference_percent": 100 * timed["median"] / inference} if inference else {}
+    return f"warm up with trust {count}x{rows}x{dim}", "us", 1e6, timed, more
 
 
 class SeqSlam:

@@ -105,8 +105,9 @@ class Bench(unittest.TestCase):
         names = [result["name"] for result in stored["groups"]["core"]["results"]]
         self.assertIn("histogram 16x3", names)
         self.assertIn("EMD 16 neurons, K=2", names)
-        [localise] = stored["groups"]["localise"]["results"]
+        localise, warmup = stored["groups"]["localise"]["results"]
         self.assertEqual(localise["name"], "localise 50x8")
+        self.assertEqual(warmup["name"], "warm up with trust 2x50x8")
         write_pages(stored, self.folder)
         performance, memory = self.page("performance"), self.page("memory")
         self.assertIn("| histogram 16x3 |", performance)
