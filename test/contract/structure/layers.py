@@ -35,7 +35,7 @@ ROOMS = {
     "apps/simulate": (7, ["apps/program", "lib/cpp"]),
     "apps/telemetry": (7, ["apps/program", "lib/transport"]),
     "apps/record": (8, ["apps/frames", "apps/program", "lib/backbone", "lib/core", "lib/cpp",
-                        "lib/geodesy", "lib/localise", "lib/map", "lib/select"]),
+                        "lib/geodesy", "lib/localise", "lib/map", "lib/select", "lib/trust"]),
     "apps/eval": (9, ["apps/frames", "apps/program", "apps/record", "lib/backbone", "lib/baseline",
                       "lib/core", "lib/cpp", "lib/localise"]),
     "apps/report": (10, ["apps/eval", "apps/frames", "apps/program", "apps/record", "lib/core",
