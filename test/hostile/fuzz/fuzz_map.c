@@ -81,7 +81,7 @@ static void use(const vdna_experience *e)
     vdna_field fields[VDNA_FIELD_COUNT];
     vdna_layout_of(e, fields);
     for (size_t f = 0; f < VDNA_FIELD_COUNT; f++) {
-        const size_t size = (size_t)vdna_layout_elements(&fields[f]) * fields[f].width;
+        const size_t size = (size_t)vdna_field_elements(&fields[f]) * fields[f].width;
         void *copy = malloc(size);
         if (copy && fields[f].data)
             memcpy(copy, fields[f].data, size);
@@ -111,7 +111,7 @@ static int repair(unsigned char *bytes, size_t size)
     const vdna_tensor *crc = vdna_header_tensor(&header, VDNA_CRC_TENSOR);
     if (!crc || crc->end - crc->begin != sizeof(uint32_t))
         return 0;
-    const uint32_t checksum = vdna_read_checksum(bytes, size, crc);
+    const uint32_t checksum = vdna_tensors_checksum(bytes, size, crc);
     memcpy(bytes + crc->begin, &checksum, sizeof checksum);
     return 1;
 }
