@@ -10,6 +10,7 @@
 
 #include <vdna/cpp/error.hpp>
 #include <vdna/cpp/histogram.hpp>
+#include <vdna/cpp/trust.hpp>
 #include <vdna/emd.h>
 #include <vdna/int8.h>
 
@@ -94,24 +95,18 @@ class Windows
 
 // An experience as a run, with positions on the ground.
 struct Run {
-    explicit Run(const vdna_experience &e) : name(e.name), position_frame(e.position_frame)
+    explicit Run(const vdna_experience &e)
+        : name(e.name), position_frame(e.position_frame), fields(trust_run_of(e))
     {
         if (e.frame_position)
             ground = on_the_ground(e.frame_position, e.frames, position_frame == VDNA_FRAME_WGS84);
-        fields.embeddings = e.embeddings;
-        fields.last_layer = e.last_layer;
-        fields.last_layer_scale = e.last_layer_scale;
-        fields.place = e.frame_place;
         fields.position = ground.empty() ? nullptr : ground.data();
-        fields.frames = e.frames;
-        fields.dim = e.identity.dim;
-        fields.last_layer_dim = e.last_layer_dim;
     }
     Run(Run &&) = default;
 
     std::string name, position_frame;
     std::vector<double> ground;
-    vdna_trust_run fields{};
+    vdna_trust_run fields;
 };
 
 class TableMaker
@@ -238,12 +233,6 @@ WindowDistance distance_of_codes(const Members &experiences)
     return [windows](size_t run, uint32_t first, uint32_t frames, size_t candidate) {
         return windows->distance(run, first, frames, candidate);
     };
-}
-
-uint32_t trust_localiser_of(const vdna_experience &experience)
-{
-    return vdna_identity_is_centred(&experience.identity) != 0 ? VDNA_TRUST_CENTRED
-                                                               : VDNA_TRUST_EUCLIDEAN;
 }
 
 TrustTables make_trust_tables(const Members &experiences, double tolerance,

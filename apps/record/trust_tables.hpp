@@ -40,9 +40,6 @@ struct KnownTables {
     std::vector<size_t> runs = {}; // index, among the experiences, of each run of the tables
 };
 
-// Whose recall the tables of these experiences have: VDNA_TRUST_CENTRED or _EUCLIDEAN.
-uint32_t trust_localiser_of(const vdna_experience &experience);
-
 // Make the tables, but for the cells of two known runs. Correlation times of known runs stay as
 // they are, although there are more candidates now; of fewer than VDNA_TRUST_RUNS_MIN runs nothing
 // is taken, as they have none.

@@ -27,7 +27,7 @@ ROOMS = {
     "lib/select": (3, ["lib/core", "lib/localise"]),
     "lib/transport": (3, ["lib/checksum", "lib/core", "lib/fail"]),
     "lib/cpp": (5, ["lib/backbone", "lib/core", "lib/identity", "lib/localise", "lib/map",
-                    "lib/select", "lib/transport"]),
+                    "lib/select", "lib/transport", "lib/trust"]),
     "apps/program": (6, ["lib/cpp", "lib/replace"]),
     "apps/frames": (7, ["apps/program", "lib/core", "lib/cpp", "lib/fail", "lib/geodesy",
                         "lib/identity", "lib/map", "lib/picture",

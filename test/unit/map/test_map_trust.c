@@ -394,7 +394,7 @@ static void a_place_that_the_system_refuses_is_named(void **state)
     assert_int_equal(rmdir(file_of(m)), 0);
 }
 
-static void without_memory_nothing_happens(void **state)
+static void without_memory_or_space_nothing_happens(void **state)
 {
     const map *m = *state;
     vdna_error error = {""};
@@ -403,6 +403,9 @@ static void without_memory_nothing_happens(void **state)
     assert_int_equal(open_trust(m, RUNS, &error, &trust), VDNA_ERR_NOMEM);
     assert_true(was_refused());
     assert_non_null(strstr(error.text, "no memory left for the tables of 3 experiences"));
+    refuse("write", 1, ENOSPC);
+    assert_not_written(m, VDNA_ERR_IO, "cannot write: No space left");
+    assert_true(was_refused());
     for (int calls = 0; calls < 2; calls++) {
         refuse("calloc", calls, ENOMEM);
         assert_not_written(m, VDNA_ERR_NOMEM, "no memory left");
@@ -464,7 +467,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(arguments_that_break_a_rule_are_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_place_that_the_system_refuses_is_named, set_up,
                                         tear_down),
-        cmocka_unit_test_setup_teardown(without_memory_nothing_happens, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(without_memory_or_space_nothing_happens, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_call_that_is_refused_leaves_the_old_file_or_the_new_one,
                                         set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_a_killed_writer_leaves_is_removed_by_the_next_update,
