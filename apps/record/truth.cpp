@@ -41,19 +41,12 @@ struct Side {
     }
 
     std::vector<double> in_space() const { return {position, position + 3 * frames}; }
-
-    // Every position moved to height 0.
-    std::vector<double> on_the_ground() const
-    {
-        std::vector<double> ground = in_space();
-        for (double *p = ground.data(); p != ground.data() + ground.size(); p += 3)
-            if (!is_global)
-                p[2] = 0;
-            else if (vdna_geodesy_to_ground(p, p) != VDNA_OK)
-                std::fill(p, p + 3, unknown);
-        return ground;
-    }
 };
+
+std::vector<double> ground_of(const Side &side)
+{
+    return on_the_ground(side.position, side.frames, side.is_global);
+}
 
 double places_apart(int64_t a, int64_t b)
 {
@@ -97,6 +90,17 @@ const char *name_of(Unit unit)
     return unit == Unit::places ? "places" : unit == Unit::metres ? "metres" : "";
 }
 
+std::vector<double> on_the_ground(const double *position, size_t frames, bool is_global)
+{
+    std::vector<double> ground(position, position + 3 * frames);
+    for (double *p = ground.data(); p != ground.data() + ground.size(); p += 3)
+        if (!is_global)
+            p[2] = 0;
+        else if (vdna_geodesy_to_ground(p, p) != VDNA_OK)
+            std::fill(p, p + 3, unknown);
+    return ground;
+}
+
 Truth::Truth(const Recording &live, const vdna_experience &map, bool with_altitude)
 {
     const bool both = !live.position.empty() && map.frame_position;
@@ -107,8 +111,8 @@ Truth::Truth(const Recording &live, const vdna_experience &map, bool with_altitu
         if (with_altitude)
             require_altitudes_alike(ours, theirs, map.name);
         unit_ = Unit::metres;
-        live_m_ = with_altitude ? ours.in_space() : ours.on_the_ground();
-        map_m_ = with_altitude ? theirs.in_space() : theirs.on_the_ground();
+        live_m_ = with_altitude ? ours.in_space() : ground_of(ours);
+        map_m_ = with_altitude ? theirs.in_space() : ground_of(theirs);
     } else if (!live.place.empty() && map.frame_place) {
         unit_ = Unit::places;
         live_place_ = live.place.data();

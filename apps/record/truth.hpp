@@ -18,6 +18,12 @@ enum class Unit { none, places, metres };
 // "places", "metres" or "".
 const char *name_of(Unit unit);
 
+// Positions at height 0, so that their straight distance is horizontal (docs/reference/SPEC-map.md,
+// Positions).
+// position: [frames][3], metres, NaN = this frame has none, and then it still has none.
+// is_global: in VDNA_FRAME_WGS84.
+std::vector<double> on_the_ground(const double *position, size_t frames, bool is_global);
+
 // The labels of live frames and of an experience, ready to be compared. Positions are preferred to
 // place numbers if both sides have both.
 class Truth

@@ -4,10 +4,12 @@
 
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
+#include "program/notice.hpp"
 #include "program/print.hpp"
 #include "record/experiences.hpp"
 #include "record/maker.hpp"
 #include "record/map_change.hpp"
+#include "record/map_trust.hpp"
 #include "vdna/commands.hpp"
 #include "vdna/options.hpp"
 
@@ -200,6 +202,17 @@ void write(const std::vector<record::Draft> &drafts, const record::Maker &maker,
     change.commit();
 }
 
+// The map is complete without it, so what prevents it is only said.
+void let_map_know_itself(const std::string &map)
+{
+    try {
+        record::renew_map_trust(map);
+    } catch (const Error &error) {
+        program::tell_once(std::string(error.what()) + "; the map is complete, but will not " +
+                           "predict recall before `vdna calibrate --trust " + map + "`");
+    }
+}
+
 void report(const BuildOptions &options, const std::vector<record::Draft> &drafts,
             const record::Maker &maker)
 {
@@ -256,6 +269,8 @@ void build(const BuildOptions &options)
     maker.make(drafts, options.range_rule);
     require_one_frame(remaining, drafts);
     write(drafts, maker, change);
+    if (remaining.size() + drafts.size() > 1)
+        let_map_know_itself(options.map);
     for (const record::Draft &draft : drafts)
         tell(draft.source, draft.recording.account);
     options.json ? report_json(options, drafts, maker) : report(options, drafts, maker);
@@ -303,7 +318,10 @@ void add_build(CLI::App &app)
         "by size. Other sub-commands take such files as one SOURCE: a.mp4+b.mp4");
     command->add_flag("--force", options->force, "replace existing experiences");
     command->add_flag("--json", options->json, "report as JSON");
-    command->footer("All or nothing: after an error or Ctrl-C the map is unchanged.\n\n"
+    command->footer("All or nothing: after an error or Ctrl-C the map is unchanged. A map of two "
+                    "experiences or more also gets MAP/" VDNA_MAP_TRUST_FILE
+                    ", what it knows about "
+                    "itself: see vdna calibrate --trust.\n\n"
                     "Examples:\n"
                     "  vdna build park winter/ summer/\n"
                     "  vdna build park --labels positions.csv --name autumn drive-7.mp4");

@@ -10,6 +10,7 @@
 #include "program/notice.hpp"
 #include "program/print.hpp"
 #include "record/experiences.hpp"
+#include "record/map_trust.hpp"
 #include "vdna/commands.hpp"
 #include "vdna/position_json.hpp"
 
@@ -117,6 +118,15 @@ void print_text(const program::Json &json)
     }
 }
 
+void print_texts(const program::Json &experiences, const program::Json &maps)
+{
+    for (const program::Json &experience : experiences)
+        print_text(experience);
+    for (const program::Json &map : maps)
+        std::cout << map["map"].get<std::string>() << ": " << map["trust"].get<std::string>()
+                  << '\n';
+}
+
 // Why these experiences are no map: they do not compare, or one name is there twice; "" if they
 // are.
 std::string mismatch_of(const std::vector<Experience> &files)
@@ -153,9 +163,23 @@ std::string warning_of(const std::vector<Experience> &files)
     return "";
 }
 
+// What the map knows about itself.
+program::Json trust_of(const std::string &map, const std::vector<Experience> &files)
+{
+    std::vector<vdna_experience> experiences;
+    for (const Experience &file : files)
+        experiences.push_back(*file.get()); // borrowed
+    const record::SelfKnowledge self = record::self_knowledge_of(map, experiences);
+    program::Json json = {{"map", map}, {"trust", self.sentence}, {"labelled", self.labelled}};
+    json["skill"] = std::isnan(self.skill) ? program::Json() : program::Json(self.skill);
+    json["tolerance"] = self.tolerance ? program::Json(*self.tolerance) : program::Json();
+    return json;
+}
+
 void info(const InfoOptions &options)
 {
     std::vector<std::string> mismatches, warnings;
+    program::Json maps = program::Json::array();
     program::Json experiences = program::Json::array();
     for (const std::string &path : options.paths) {
         const std::vector<Experience> files = record::open_experiences({path});
@@ -164,16 +188,19 @@ void info(const InfoOptions &options)
         const std::string mismatch = mismatch_of(files);
         if (!mismatch.empty())
             mismatches.push_back(mismatch);
+        else if (std::filesystem::is_directory(path))
+            maps.push_back(trust_of(path, files));
         const std::string warning = warning_of(files);
         if (!warning.empty())
             warnings.push_back(warning);
     }
     if (options.json)
-        program::print_json(
-            {{"experiences", experiences}, {"mismatches", mismatches}, {"warnings", warnings}});
+        program::print_json({{"experiences", experiences},
+                             {"maps", maps},
+                             {"mismatches", mismatches},
+                             {"warnings", warnings}});
     else
-        for (const program::Json &experience : experiences)
-            print_text(experience);
+        print_texts(experiences, maps);
     for (const std::string &warning : warnings)
         program::tell_once(warning);
     if (!mismatches.empty())

@@ -10,7 +10,7 @@ block()
     list(APPEND inputs ${sources})
   endforeach()
   list(APPEND inputs ${VDNA_HEADERS})
-  list(FILTER inputs EXCLUDE REGEX "/(experience_localise|geodesy|identity|map)\\.h$")
+  list(FILTER inputs EXCLUDE REGEX "/(experience_localise|geodesy|identity|map|map_trust)\\.h$")
 
   set(output "${PROJECT_BINARY_DIR}/amalgamation")
   file(MAKE_DIRECTORY "${output}")

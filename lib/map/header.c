@@ -183,7 +183,7 @@ vdna_status vdna_header_read(const unsigned char *bytes, size_t size, vdna_error
     if (length > size - LENGTH_SIZE)
         return vdna_fail(reason, VDNA_ERR_FORMAT,
                          "the header claims %" PRIu64 " bytes, but only %zu follow: the file is"
-                         " cut short or no experience",
+                         " cut short or no file of a map",
                          length, size - LENGTH_SIZE);
 
     const size_t data = LENGTH_SIZE + (size_t)length;

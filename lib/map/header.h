@@ -5,7 +5,7 @@
 
 #include <vdna/map.h>
 
-/* Limits of an experience file, so that a header fits a block of known size
+/* Limits of a map's files, so that a header fits a block of known size
  * (docs/reference/SPEC-map.md). */
 #define VDNA_HEADER_TENSORS 32u
 #define VDNA_HEADER_TEXTS 32u

@@ -6,21 +6,21 @@
 void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDNA_FIELD_COUNT])
 {
     const vdna_experience *e = experience;
+    const float *const floats = e->embedding_codes ? NULL : e->embeddings;
     const vdna_field fields[VDNA_FIELD_COUNT] = {
-        {"frame_utime", "I64", 8, 0, e->frames, 0, e->frame_utime},
-        {"frame_place", "I64", 8, 1, e->frames, 0, e->frame_place},
-        {"frame_position", "F64", 8, 1, e->frames, 3, e->frame_position},
-        {"counts", "U32", 4, 0, e->identity.bins, e->identity.neurons, e->counts},
-        {"mass", "U32", 4, 0, e->identity.neurons, 0, e->mass},
-        {"range", "F32", 4, 0, e->identity.neurons, 2, e->identity.range},
-        {"projection", "F32", 4, 1, e->identity.dim, e->identity.raw_dim, e->identity.projection},
-        {"embeddings", "F32", 4, 1, e->frames, e->identity.dim,
-         e->embedding_codes ? NULL : e->embeddings},
-        {"frame_grey", "F32", 4, 0, e->frames, 0, e->frame_grey},
-        {"frame_embedding_scale", "F32", 4, 1, e->frames, 0, e->embedding_scale},
-        {"frame_last_layer_scale", "F32", 4, 1, e->frames, 0, e->last_layer_scale},
-        {"frame_embedding", "I8", 1, 1, e->frames, e->identity.dim, e->embedding_codes},
-        {"frame_last_layer", "I8", 1, 1, e->frames, e->last_layer_dim, e->last_layer},
+        {"frame_utime", "I64", 8, 0, {e->frames}, e->frame_utime},
+        {"frame_place", "I64", 8, 1, {e->frames}, e->frame_place},
+        {"frame_position", "F64", 8, 1, {e->frames, 3}, e->frame_position},
+        {"counts", "U32", 4, 0, {e->identity.bins, e->identity.neurons}, e->counts},
+        {"mass", "U32", 4, 0, {e->identity.neurons}, e->mass},
+        {"range", "F32", 4, 0, {e->identity.neurons, 2}, e->identity.range},
+        {"projection", "F32", 4, 1, {e->identity.dim, e->identity.raw_dim}, e->identity.projection},
+        {"embeddings", "F32", 4, 1, {e->frames, e->identity.dim}, floats},
+        {"frame_grey", "F32", 4, 0, {e->frames}, e->frame_grey},
+        {"frame_embedding_scale", "F32", 4, 1, {e->frames}, e->embedding_scale},
+        {"frame_last_layer_scale", "F32", 4, 1, {e->frames}, e->last_layer_scale},
+        {"frame_embedding", "I8", 1, 1, {e->frames, e->identity.dim}, e->embedding_codes},
+        {"frame_last_layer", "I8", 1, 1, {e->frames, e->last_layer_dim}, e->last_layer},
     };
     memcpy(out_fields, fields, sizeof fields);
 }
@@ -37,17 +37,4 @@ unsigned vdna_layout_version(const vdna_experience *experience)
             (e->frame_position && isnan(e->frame_position[3 * f])))
             return 2;
     return 1;
-}
-
-uint64_t vdna_layout_elements(const vdna_field *field)
-{
-    return (uint64_t)field->rows * (field->columns == 0 ? 1 : field->columns);
-}
-
-int vdna_layout_fits_host(void)
-{
-    const uint16_t one = 1;
-    unsigned char first;
-    memcpy(&first, &one, 1);
-    return first == 1;
 }

@@ -2,7 +2,10 @@
 #ifndef VDNA_LAYOUT_H
 #define VDNA_LAYOUT_H
 
-#include <vdna/map.h>
+#include "tensors.h"
+
+/* What the metadata of an experience says about its format. */
+#define VDNA_EXPERIENCE_FORMAT "vdna-experience"
 
 /* The order of the tensors in our files: wide elements first, so that each is aligned. */
 enum {
@@ -22,19 +25,6 @@ enum {
     VDNA_FIELD_COUNT
 };
 
-/* The last tensor: a checksum of everything else. */
-#define VDNA_CRC_TENSOR "crc32c"
-
-typedef struct vdna_field {
-    const char *name;
-    const char *dtype;
-    uint32_t width; /* bytes of an element, and its alignment; the checksum alone needs none */
-    int optional;
-    uint32_t rows;
-    uint32_t columns; /* 0 = the tensor has one dimension only */
-    const void *data; /* NULL = absent */
-} vdna_field;
-
 /* The oldest version of the format that allows all of `experience`: 4 for embeddings that are
  * projected, 3 for an embedding of which older readers know nothing, 2 if a frame lacks the ground
  * truth that others have. */
@@ -42,11 +32,5 @@ unsigned vdna_layout_version(const vdna_experience *experience);
 
 /* Describe the tensors of `experience`: shapes from its sizes, data from its pointers. */
 void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDNA_FIELD_COUNT]);
-
-/* Elements of a field; cannot wrap. */
-uint64_t vdna_layout_elements(const vdna_field *field);
-
-/* Whether a file's numbers can be used in place: this machine is little-endian. */
-int vdna_layout_fits_host(void);
 
 #endif

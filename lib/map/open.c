@@ -9,38 +9,27 @@
 
 #include "read.h"
 
-/* The bytes of a file. They stay when the file is replaced or deleted, and those of a copy also
- * when it is written to or cut short. */
-typedef struct file_bytes {
-    void *bytes;
-    size_t size;
-} file_bytes;
-
 static vdna_status refused(const char *path, const char *what, vdna_error *error)
 {
     return vdna_fail(error, VDNA_ERR_IO, "%s: cannot %s: %s", path, what, strerror(errno));
 }
 
-/* @param out_size  >= 1 */
 static vdna_status size_of(int descriptor, const char *path, vdna_error *error, size_t *out_size)
 {
     struct stat about;
     if (fstat(descriptor, &about) != 0)
         return refused(path, "examine", error);
     if (!S_ISREG(about.st_mode))
-        return vdna_fail(error, VDNA_ERR_IO, "%s: not a regular file, expected an experience file",
-                         path);
-    if (about.st_size == 0)
-        return vdna_fail(error, VDNA_ERR_FORMAT,
-                         "%s: the file is empty; rebuild it with `vdna build`", path);
+        return vdna_fail(error, VDNA_ERR_IO, "%s: not a regular file", path);
     if ((uintmax_t)about.st_size > SIZE_MAX)
-        return vdna_fail(error, VDNA_ERR_UNSUPPORTED,
+        return vdna_fail(error, VDNA_ERR_IO,
                          "%s: the file is too large for the address space of this machine", path);
     *out_size = (size_t)about.st_size;
     return VDNA_OK;
 }
 
-static vdna_status map_file(int descriptor, const char *path, vdna_error *error, file_bytes *file)
+static vdna_status map_file(int descriptor, const char *path, vdna_error *error,
+                            vdna_file_bytes *file)
 {
     file->bytes = mmap(NULL, file->size, PROT_READ, MAP_PRIVATE, descriptor, 0);
     if (file->bytes == MAP_FAILED)
@@ -53,7 +42,7 @@ static vdna_status map_file(int descriptor, const char *path, vdna_error *error,
 /* @return VDNA_OK, also at the end of a file that was cut short meanwhile, whose missing bytes are
  * 0: its checksum is wrong; VDNA_ERR_IO */
 static vdna_status read_bytes(int descriptor, const char *path, vdna_error *error,
-                              const file_bytes *file)
+                              const vdna_file_bytes *file)
 {
     size_t size = 0;
     ssize_t got = 1;
@@ -67,7 +56,8 @@ static vdna_status read_bytes(int descriptor, const char *path, vdna_error *erro
 }
 
 /* Pages of our own rather than the heap's, so that closing is the same for both. */
-static vdna_status copy_file(int descriptor, const char *path, vdna_error *error, file_bytes *file)
+static vdna_status copy_file(int descriptor, const char *path, vdna_error *error,
+                             vdna_file_bytes *file)
 {
     file->bytes =
         mmap(NULL, file->size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -81,13 +71,32 @@ static vdna_status copy_file(int descriptor, const char *path, vdna_error *error
 }
 
 static vdna_status take_bytes(int descriptor, int copy, const char *path, vdna_error *error,
-                              file_bytes *out_file)
+                              vdna_file_bytes *file)
 {
-    const vdna_status status = size_of(descriptor, path, error, &out_file->size);
-    if (status != VDNA_OK)
+    file->bytes = NULL;
+    const vdna_status status = size_of(descriptor, path, error, &file->size);
+    if (status != VDNA_OK || file->size == 0)
         return status;
-    return copy ? copy_file(descriptor, path, error, out_file)
-                : map_file(descriptor, path, error, out_file);
+    return copy ? copy_file(descriptor, path, error, file)
+                : map_file(descriptor, path, error, file);
+}
+
+/* see open.h */
+vdna_status vdna_open_bytes(int descriptor, int copy, const char *path, vdna_error *error,
+                            vdna_file_bytes *out_file)
+{
+    if (descriptor < 0)
+        return refused(path, "open", error);
+    const vdna_status status = take_bytes(descriptor, copy, path, error, out_file);
+    close(descriptor);
+    return status;
+}
+
+/* see open.h */
+void vdna_close_bytes(const vdna_file_bytes *file)
+{
+    if (file->bytes)
+        munmap(file->bytes, file->size);
 }
 
 static const char *remedy_of(vdna_status status)
@@ -108,18 +117,15 @@ static const char *remedy_of(vdna_status status)
 vdna_status vdna_open_descriptor(int descriptor, int copy, const char *path, vdna_error *error,
                                  vdna_experience *out_experience)
 {
-    if (descriptor < 0)
-        return refused(path, "open", error);
-    file_bytes file = {NULL, 0};
-    vdna_status status = take_bytes(descriptor, copy, path, error, &file);
-    close(descriptor);
+    vdna_file_bytes file;
+    vdna_status status = vdna_open_bytes(descriptor, copy, path, error, &file);
     if (status != VDNA_OK)
         return status;
 
     vdna_error reason;
     status = vdna_read(file.bytes, file.size, &reason, out_experience);
     if (status != VDNA_OK) {
-        munmap(file.bytes, file.size);
+        vdna_close_bytes(&file);
         return vdna_fail(error, status, "%s: %s; %s", path, reason.text, remedy_of(status));
     }
     out_experience->file_bytes = file.bytes;

@@ -1,4 +1,4 @@
-/* Private to lib/map: an experience in a file that its caller opened. */
+/* Private to lib/map: a file that its caller opened, and an experience in it. */
 #ifndef VDNA_OPEN_H
 #define VDNA_OPEN_H
 
@@ -9,6 +9,23 @@
 /* How to open it. O_NONBLOCK, so that a FIFO under the name of an experience is refused and not
  * waited for. */
 #define VDNA_OPEN_FLAGS (O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)
+
+/* The bytes of a file. They stay when the file is replaced or deleted, and those of a copy also
+ * when it is written to or cut short. */
+typedef struct vdna_file_bytes {
+    void *bytes; /* aligned for any number; NULL = the file is empty */
+    size_t size;
+} vdna_file_bytes;
+
+/* Map a file into memory, or copy it. The descriptor is closed in any case.
+ * @param descriptor  what open() returned; if that is -1, errno says why
+ * @param path  for the error
+ * @param out_file  to be ended with vdna_close_bytes()
+ * @return VDNA_OK; VDNA_ERR_IO; VDNA_ERR_NOMEM for a copy */
+vdna_status vdna_open_bytes(int descriptor, int copy, const char *path, vdna_error *error,
+                            vdna_file_bytes *out_file);
+
+void vdna_close_bytes(const vdna_file_bytes *file);
 
 /* vdna_experience_open() of a descriptor, which is closed in any case.
  * @param descriptor  what open() returned; if that is -1, errno says why

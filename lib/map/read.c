@@ -1,6 +1,5 @@
 #include "read.h"
 
-#include <crc32c.h>
 #include <fail.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -12,106 +11,11 @@
 #include "position_frame.h"
 #include "rules.h"
 
-static vdna_status check_version(const vdna_header *header, vdna_error *reason)
-{
-    const char *format = vdna_header_text(header, "format");
-    const char *version = vdna_header_text(header, "format_version");
-    if (!format || strcmp(format, "vdna-experience") != 0)
-        return vdna_fail(reason, VDNA_ERR_FORMAT,
-                         "a safetensors file, but no experience: format is not vdna-experience");
-    if (!version || *version < '1' || *version > '9' ||
-        version[strspn(version, "0123456789")] != '\0')
-        return vdna_fail(reason, VDNA_ERR_FORMAT,
-                         "format_version is not a whole number from 1, expected %u",
-                         VDNA_MAP_FORMAT);
-    if (strlen(version) > 1 || (unsigned)(*version - '0') > VDNA_MAP_FORMAT)
-        return vdna_fail(reason, VDNA_ERR_UNSUPPORTED,
-                         "format version %.20s is newer than this program, which reads %u", version,
-                         VDNA_MAP_FORMAT);
-    return VDNA_OK;
-}
-
-/* Check a tensor's description in the header. */
-static vdna_status check_tensor(const vdna_tensor *tensor, const vdna_field *field,
-                                vdna_error *reason)
-{
-    const uint32_t dimensions = field->columns == 0 ? 1 : 2;
-    /* "%.0u" writes nothing for the 0 of a single dimension. */
-    if (strcmp(tensor->dtype, field->dtype) != 0 || tensor->dimensions != dimensions ||
-        tensor->shape[0] != field->rows || (dimensions == 2 && tensor->shape[1] != field->columns))
-        return vdna_fail(reason, VDNA_ERR_FORMAT,
-                         "tensor %s has a dtype or shape that does not fit, expected %s [%" PRIu32
-                         "%s%.0" PRIu32 "]",
-                         field->name, field->dtype, field->rows, dimensions == 2 ? ", " : "",
-                         field->columns);
-    /* Divide, because the product of a forged shape could wrap. */
-    const uint64_t bytes = tensor->end - tensor->begin;
-    if (bytes % field->width != 0 || bytes / field->width != vdna_layout_elements(field))
-        return vdna_fail(reason, VDNA_ERR_FORMAT,
-                         "tensor %s has %" PRIu64 " bytes, expected %" PRIu64 " numbers of %" PRIu32
-                         " bytes",
-                         field->name, bytes, vdna_layout_elements(field), field->width);
-    return VDNA_OK;
-}
-
-/* The numbers of a field are used in place. */
-static vdna_status check_alignment(const vdna_tensor *tensor, const vdna_field *field,
-                                   vdna_error *reason)
-{
-    if (tensor->begin % field->width == 0)
-        return VDNA_OK;
-    return vdna_fail(reason, VDNA_ERR_FORMAT,
-                     "tensor %s begins at byte %" PRIu64 ", expected a multiple of %" PRIu32,
-                     field->name, tensor->begin, field->width);
-}
-
-uint32_t vdna_read_checksum(const unsigned char *bytes, size_t size, const vdna_tensor *crc)
-{
-    const uint32_t before = vdna_crc32c(0, bytes, (size_t)crc->begin);
-    return vdna_crc32c(before, bytes + crc->end, size - (size_t)crc->end);
-}
-
-static vdna_status check_checksum(const unsigned char *bytes, size_t size,
-                                  const vdna_header *header, vdna_error *reason,
-                                  uint32_t *out_checksum)
-{
-    const vdna_field field = {VDNA_CRC_TENSOR, "U32", 4, 0, 1, 0, NULL};
-    const vdna_tensor *tensor = vdna_header_tensor(header, field.name);
-    if (!tensor)
-        return vdna_fail(reason, VDNA_ERR_FORMAT, "tensor " VDNA_CRC_TENSOR " is missing");
-    const vdna_status status = check_tensor(tensor, &field, reason);
-    if (status != VDNA_OK)
-        return status;
-
-    uint32_t written;
-    memcpy(&written, bytes + tensor->begin, sizeof written);
-    const uint32_t found = vdna_read_checksum(bytes, size, tensor);
-    if (written != found)
-        return vdna_fail(reason, VDNA_ERR_CHECKSUM,
-                         "the bytes have CRC-32C %08" PRIx32 ", expected %08" PRIx32
-                         ": the file is damaged",
-                         found, written);
-    *out_checksum = found;
-    return VDNA_OK;
-}
-
-static vdna_status read_text(const vdna_header *header, const char *key, char *out, size_t capacity,
-                             vdna_error *reason)
-{
-    const char *text = vdna_header_text(header, key);
-    if (!text || strlen(text) >= capacity)
-        return vdna_fail(reason, VDNA_ERR_FORMAT,
-                         "%s in __metadata__ is %s, expected at most %zu bytes", key,
-                         text ? "too long" : "missing", capacity - 1);
-    memcpy(out, text, strlen(text) + 1);
-    return VDNA_OK;
-}
-
 static vdna_status read_precision(const vdna_header *header, vdna_error *reason, vdna_experience *e)
 {
     if (vdna_header_text(header, "precision"))
-        return read_text(header, "precision", e->identity.precision, sizeof e->identity.precision,
-                         reason);
+        return vdna_tensors_text(header, "precision", e->identity.precision,
+                                 sizeof e->identity.precision, reason);
     memcpy(e->identity.precision, VDNA_PRECISION_DEFAULT, sizeof VDNA_PRECISION_DEFAULT);
     return VDNA_OK;
 }
@@ -121,7 +25,8 @@ static vdna_status read_optional(const vdna_header *header, const char *key, cha
                                  size_t capacity, vdna_error *reason)
 {
     out[0] = '\0';
-    return vdna_header_text(header, key) ? read_text(header, key, out, capacity, reason) : VDNA_OK;
+    return vdna_header_text(header, key) ? vdna_tensors_text(header, key, out, capacity, reason)
+                                         : VDNA_OK;
 }
 
 static vdna_status read_texts(const vdna_header *header, vdna_error *reason, vdna_experience *e)
@@ -140,7 +45,7 @@ static vdna_status read_texts(const vdna_header *header, vdna_error *reason, vdn
     };
     for (size_t t = 0; t < sizeof texts / sizeof *texts; t++) {
         const vdna_status status =
-            read_text(header, texts[t].key, texts[t].out, texts[t].capacity, reason);
+            vdna_tensors_text(header, texts[t].key, texts[t].out, texts[t].capacity, reason);
         if (status != VDNA_OK)
             return status;
     }
@@ -184,7 +89,7 @@ static const char *embeddings_of(const vdna_header *header)
 static vdna_status read_last_layer_size(const vdna_header *header, vdna_error *reason,
                                         vdna_experience *e)
 {
-    uint32_t rows; /* read_fields() compares them with the frames */
+    uint32_t rows; /* find_fields() compares them with the frames */
     if (!vdna_header_tensor(header, "frame_last_layer"))
         return VDNA_OK;
     return read_sizes(header, "frame_last_layer", reason, &rows, &e->last_layer_dim);
@@ -192,29 +97,18 @@ static vdna_status read_last_layer_size(const vdna_header *header, vdna_error *r
 
 static vdna_status read_raw_dim(const vdna_header *header, vdna_error *reason, vdna_experience *e)
 {
-    uint32_t rows; /* read_fields() compares them with the numbers kept */
+    uint32_t rows; /* find_fields() compares them with the numbers kept */
     if (!vdna_header_tensor(header, "projection"))
         return VDNA_OK;
     return read_sizes(header, "projection", reason, &rows, &e->identity.raw_dim);
 }
 
-static vdna_status read_fields(const unsigned char *bytes, const vdna_header *header,
+static vdna_status find_fields(const unsigned char *bytes, const vdna_header *header,
                                const vdna_experience *e, vdna_error *reason,
                                vdna_field fields[VDNA_FIELD_COUNT])
 {
-    vdna_layout_of(e, fields);
-    for (size_t f = 0; f < VDNA_FIELD_COUNT; f++) {
-        const vdna_tensor *tensor = vdna_header_tensor(header, fields[f].name);
-        if (!tensor)
-            continue; /* vdna_rules_check() knows which ones may be absent */
-        vdna_status status = check_tensor(tensor, &fields[f], reason);
-        if (status == VDNA_OK)
-            status = check_alignment(tensor, &fields[f], reason);
-        if (status != VDNA_OK)
-            return status;
-        fields[f].data = bytes + tensor->begin;
-    }
-    return VDNA_OK;
+    vdna_layout_of(e, fields); /* vdna_rules_check() knows which ones may be absent */
+    return vdna_tensors_find(bytes, header, fields, VDNA_FIELD_COUNT, reason);
 }
 
 static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *header,
@@ -230,7 +124,7 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
     if (status == VDNA_OK)
         status = read_raw_dim(header, reason, e);
     if (status == VDNA_OK)
-        status = read_fields(bytes, header, e, reason, fields);
+        status = find_fields(bytes, header, e, reason, fields);
     if (status != VDNA_OK)
         return status;
 
@@ -302,17 +196,10 @@ void vdna_read_free(const vdna_experience *experience)
 vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reason,
                       vdna_experience *out_experience)
 {
-    if (!vdna_layout_fits_host())
-        return vdna_fail(reason, VDNA_ERR_UNSUPPORTED,
-                         "experience files are read in place, which needs a little-endian machine");
-
+    static const vdna_format format = {VDNA_EXPERIENCE_FORMAT, VDNA_MAP_FORMAT};
     vdna_header header;
     vdna_experience e = {.file_bytes = NULL};
-    vdna_status status = vdna_header_read(bytes, size, reason, &header);
-    if (status == VDNA_OK)
-        status = check_version(&header, reason);
-    if (status == VDNA_OK)
-        status = check_checksum(bytes, size, &header, reason, &e.checksum);
+    vdna_status status = vdna_tensors_read(bytes, size, &format, reason, &header, &e.checksum);
     if (status == VDNA_OK)
         status = read_texts(&header, reason, &e);
     if (status == VDNA_OK)

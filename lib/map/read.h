@@ -2,7 +2,7 @@
 #ifndef VDNA_READ_H
 #define VDNA_READ_H
 
-#include "header.h"
+#include <vdna/map.h>
 
 /* Check every byte of a file and point into it, but for embeddings to be decoded.
  * @param bytes  aligned for int64_t; borrowed by `out_experience`, whose file_bytes stays NULL
@@ -14,8 +14,5 @@ vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reaso
 
 /* Free the embeddings that were decoded, if any. */
 void vdna_read_free(const vdna_experience *experience);
-
-/* The value that tensor `crc` (U32 [1]) must have: the checksum of all other bytes of the file. */
-uint32_t vdna_read_checksum(const unsigned char *bytes, size_t size, const vdna_tensor *crc);
 
 #endif

@@ -8,6 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <vdna/map_trust.h>
+
 #include "journal.h"
 #include "write.h"
 
@@ -40,7 +42,8 @@ static int is_leaving(const char *name)
 {
     const size_t target = vdna_replace_target(name);
     return ends_in(name, strlen(name), VDNA_JOURNAL_STAGED) ||
-           ends_in(name, target, VDNA_MAP_EXTENSION) || ends_in(name, target, VDNA_JOURNAL_FILE);
+           ends_in(name, target, VDNA_MAP_EXTENSION) || ends_in(name, target, VDNA_JOURNAL_FILE) ||
+           ends_in(name, target, VDNA_MAP_TRUST_FILE);
 }
 
 /* Remove what writers left that are gone. Best effort: nothing reads such files. */

@@ -94,10 +94,11 @@ static int is_cell(const vdna_trust_cell *cell, uint32_t windows)
     return good;
 }
 
-/* @return VDNA_OK, VDNA_ERR_ARG or VDNA_ERR_NONFINITE */
-static vdna_status check_tables(const vdna_trust_tables *tables, uint32_t runs)
+/* see vdna/trust.h */
+vdna_status vdna_trust_tables_check(const vdna_trust_tables *tables, uint32_t runs)
 {
-    if (!tables->frames || !tables->own_scale || !tables->correlation || !tables->cells)
+    if (!tables || runs == 0 || runs > VDNA_TRUST_RUNS_MAX || !tables->frames ||
+        !tables->own_scale || !tables->correlation || !tables->cells)
         return VDNA_ERR_ARG;
     for (uint32_t a = 0; a < runs; a++) {
         const uint32_t windows = vdna_trust_windows(tables->frames[a], NULL, NULL);
@@ -207,7 +208,7 @@ vdna_status vdna_trust_init(const vdna_trust_config *config, void *mem, size_t m
         return VDNA_ERR_ARG;
     if (mem_size < size_of_trust(c.runs))
         return VDNA_ERR_NOMEM;
-    const vdna_status status = c.tables ? check_tables(c.tables, c.runs) : VDNA_OK;
+    const vdna_status status = c.tables ? vdna_trust_tables_check(c.tables, c.runs) : VDNA_OK;
     if (status != VDNA_OK)
         return status;
 

@@ -382,7 +382,8 @@ class Build(Scratch):
         self.pictures("first drive", range(1))
         self.vdna("build", "map", "first drive/")
         self.vdna("build", "map", "first drive", "--name", "winter-1")
-        self.assertEqual(self.map_files(), ["first_drive.vdna", "winter-1.vdna"])
+        self.assertEqual(self.map_files(),
+                         ["first_drive.vdna", "trust.safetensors", "winter-1.vdna"])
         self.refused("build", "map", "first drive", "--name", "no/slash", code=2)
         self.refused("build", "map", "first drive", "--name", "n" * 64, code=2)
 

@@ -229,6 +229,13 @@ typedef struct vdna_trust_tables {
                                      is finite; the others are finite, or NaN = not known */
 } vdna_trust_tables;
 
+/** Check the tables: every number within its range.
+ *  @param tables  of `runs` runs
+ *  @param runs    1..VDNA_TRUST_RUNS_MAX
+ *  @return VDNA_OK; VDNA_ERR_ARG, also for a run without frames; VDNA_ERR_NONFINITE for a number
+ *          beyond its range */
+VDNA_API vdna_status vdna_trust_tables_check(const vdna_trust_tables *tables, uint32_t runs);
+
 /* ---- What a live run may expect ---- */
 
 /** Configuration. Fill with vdna_trust_config_init(), then set `runs`, and `tables` if the map has

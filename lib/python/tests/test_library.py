@@ -32,6 +32,7 @@ STRUCTS = {
     "vdna_trust_run": _library.TrustRunFields,
     "vdna_trust_cell": _library.TrustCell,
     "vdna_trust_tables": _library.TrustTablesFields,
+    "vdna_map_trust": _library.MapTrustFields,
     "vdna_trust_config": _library.TrustConfig,
     "vdna_trust_prediction": _library.TrustPredictionFields,
     "vdna_trust_answer": _library.TrustAnswerFields,

@@ -7,7 +7,9 @@ import re
 
 import numpy as np
 import pytest
+from conftest import small_experience
 
+import libvdna
 from libvdna import PLACE_NONE, TRUST_CELL, TRUST_WINDOWS, Status, StoredRun, Trust, TrustTables
 from libvdna import VdnaError, Verdict, trust_tables, trust_windows
 
@@ -181,3 +183,29 @@ def test_bad_input_is_refused():
         StoredRun([[1, 2]], last_layer=[1, 2])
     with pytest.raises(ValueError, match="distances has the shape"):
         trust_tables(list(runs_of()), 2, distances=np.ones((3, 3)))
+
+
+def test_what_a_map_knows_about_itself_is_written_and_read_back(tmp_path):
+    for name in "ab":
+        small_experience(name).write(tmp_path / f"{name}.vdna")
+    experiences = libvdna.open_map(tmp_path)
+    with pytest.raises(VdnaError, match="vdna calibrate --trust") as caught:
+        libvdna.MapTrust.open(tmp_path, experiences)
+    assert caught.value.status is Status.EMPTY
+    runs = [StoredRun(e.embeddings, places=e.frame_place) for e in experiences]
+    tables = trust_tables(runs, 0, centred=False)
+    libvdna.MapTrust(tables, 0.5, False).write(tmp_path, experiences)
+
+    read = libvdna.MapTrust.open(tmp_path, experiences)
+    assert (read.tolerance, read.centred) == (0.5, False)
+    for one, other in zip(read.tables, tables):
+        np.testing.assert_array_equal(one, other)
+    swapped = libvdna.MapTrust.open(tmp_path, experiences[::-1])
+    np.testing.assert_array_equal(swapped.tables.cells[0, 1], tables.cells[1, 0])
+
+    with pytest.raises(VdnaError, match="not from a file"):
+        libvdna.MapTrust(tables, 0.5, False).write(tmp_path, [small_experience("a")] * 2)
+    with pytest.raises(ValueError, match="frames"):
+        libvdna.MapTrust(tables, 0.5, False).write(tmp_path, experiences[:1])
+    with pytest.raises(VdnaError):
+        libvdna.MapTrust.open(tmp_path, [])

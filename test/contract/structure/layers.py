@@ -23,11 +23,11 @@ ROOMS = {
     "lib/replace": (3, ["lib/core", "lib/fail"]),
     "lib/backbone": (4, ["lib/core", "lib/fail", "lib/health", "lib/identity", "lib/picture"]),
     "lib/map": (4, ["lib/checksum", "lib/core", "lib/fail", "lib/geodesy", "lib/identity", "lib/localise",
-                    "lib/replace"]),
+                    "lib/replace", "lib/trust"]),
     "lib/select": (3, ["lib/core", "lib/localise", "lib/trust"]),
     "lib/transport": (3, ["lib/checksum", "lib/core", "lib/fail"]),
     "lib/cpp": (5, ["lib/backbone", "lib/core", "lib/identity", "lib/localise", "lib/map",
-                    "lib/select", "lib/transport"]),
+                    "lib/select", "lib/transport", "lib/trust"]),
     "apps/program": (6, ["lib/cpp", "lib/replace"]),
     "apps/frames": (7, ["apps/program", "lib/core", "lib/cpp", "lib/fail", "lib/geodesy",
                         "lib/identity", "lib/map", "lib/picture",
@@ -35,7 +35,7 @@ ROOMS = {
     "apps/simulate": (7, ["apps/program", "lib/cpp"]),
     "apps/telemetry": (7, ["apps/program", "lib/transport"]),
     "apps/record": (8, ["apps/frames", "apps/program", "lib/backbone", "lib/core", "lib/cpp",
-                        "lib/geodesy", "lib/localise", "lib/map", "lib/select"]),
+                        "lib/geodesy", "lib/localise", "lib/map", "lib/select", "lib/trust"]),
     "apps/eval": (9, ["apps/frames", "apps/program", "apps/record", "lib/backbone", "lib/baseline",
                       "lib/core", "lib/cpp", "lib/localise"]),
     "apps/report": (10, ["apps/eval", "apps/frames", "apps/program", "apps/record", "lib/core",
@@ -51,7 +51,8 @@ ROOMS = {
 # The public headers of rooms whose name they do not bear.
 CORE_HEADERS = "activation camera_time emd hist image int8 knn pixels range rank status version window"
 HEADERS = {**{name: "lib/core" for name in CORE_HEADERS.split()},
-           "experience_localise": "lib/map", "listener": "lib/transport", "message": "lib/transport"}
+           "experience_localise": "lib/map", "listener": "lib/transport", "map_trust": "lib/map",
+           "message": "lib/transport"}
 UMBRELLA = "vdna"
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)

@@ -8,6 +8,7 @@
 #include "layout.h"
 #include "map_files.h"
 #include "read.h"
+#include "right_checksum.h"
 
 static void require(int condition)
 {
@@ -81,7 +82,7 @@ static void use(const vdna_experience *e)
     vdna_field fields[VDNA_FIELD_COUNT];
     vdna_layout_of(e, fields);
     for (size_t f = 0; f < VDNA_FIELD_COUNT; f++) {
-        const size_t size = (size_t)vdna_layout_elements(&fields[f]) * fields[f].width;
+        const size_t size = (size_t)vdna_field_elements(&fields[f]) * fields[f].width;
         void *copy = malloc(size);
         if (copy && fields[f].data)
             memcpy(copy, fields[f].data, size);
@@ -102,20 +103,6 @@ static void read_and_use(const unsigned char *bytes, size_t size)
     vdna_read_free(&e);
 }
 
-/* Correct the checksum, so that the code behind it is tried as well. */
-static int repair(unsigned char *bytes, size_t size)
-{
-    vdna_header header;
-    if (vdna_header_read(bytes, size, NULL, &header) != VDNA_OK)
-        return 0;
-    const vdna_tensor *crc = vdna_header_tensor(&header, VDNA_CRC_TENSOR);
-    if (!crc || crc->end - crc->begin != sizeof(uint32_t))
-        return 0;
-    const uint32_t checksum = vdna_read_checksum(bytes, size, crc);
-    memcpy(bytes + crc->begin, &checksum, sizeof checksum);
-    return 1;
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     unsigned char *copy = malloc(size);
@@ -123,7 +110,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
         return 0;
     memcpy(copy, bytes, size);
     read_and_use(copy, size);
-    if (repair(copy, size))
+    if (set_right_checksum(copy, size))
         read_and_use(copy, size);
     free(copy);
     return 0;

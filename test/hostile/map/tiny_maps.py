@@ -15,6 +15,7 @@ from tiny_network import write_tiny_network
 VDNA = Path(os.environ["VDNA_BIN"]) / "vdna"
 OLD, NEW = 6, 5
 EXPERIENCES = ["night", "summer", "winter"]
+FILES = ["night.vdna", "summer.vdna", "trust.safetensors", "winter.vdna"]
 
 
 def _write_pictures(folder, count):
@@ -51,15 +52,22 @@ class TinyMaps(unittest.TestCase):
         shutil.rmtree(self.folder / "map", ignore_errors=True)
         shutil.copytree(self.folder / f"{version}.map", self.folder / "map")
 
-    def version(self, folder):
-        """The version of a map, which must be one for all its experiences."""
+    def info(self, folder):
         done = subprocess.run([VDNA, "info", "--json", folder], cwd=self.folder, text=True,
                               capture_output=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
-        found = json.loads(done.stdout)["experiences"]
+        return json.loads(done.stdout)
+
+    def knows_itself(self, folder):
+        """Whether the map's own file is of the experiences that are there."""
+        return self.info(folder)["maps"][0]["tolerance"] is not None
+
+    def version(self, folder):
+        """The version of a map, which must be one for all its experiences."""
+        found = self.info(folder)["experiences"]
         self.assertEqual([e["experience"] for e in found], EXPERIENCES)
         versions = {e["frames"] for e in found}
-        self.assertEqual(len(versions), 1, done.stdout)
+        self.assertEqual(len(versions), 1, found)
         return versions.pop()
 
     def files(self, folder):

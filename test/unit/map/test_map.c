@@ -6,20 +6,11 @@
 #include <sys/stat.h>
 
 #include "cmocka_all.h"
-#include "map_files.h"
-
-#define FILE_SIZE 8192
-
-/* A file to damage: the sample's bytes, and the path of the damaged copy. */
-typedef struct file {
-    directory directory;
-    unsigned char bytes[FILE_SIZE];
-    size_t size;
-} file;
+#include "edited_file.h"
 
 static int set_up(void **state)
 {
-    file *f = calloc(1, sizeof *f);
+    edited_file *f = calloc(1, sizeof *f);
     f->directory = make_directory();
     const vdna_experience sample = sample_experience();
     const char *path = path_in(&f->directory, "sample");
@@ -32,91 +23,20 @@ static int set_up(void **state)
 
 static int tear_down(void **state)
 {
-    const file *f = *state;
+    const edited_file *f = *state;
     remove_directory(&f->directory);
     free(*state);
     return 0;
 }
 
-/* Bit by bit, to check the tables of the library. */
-static uint32_t crc32c(const unsigned char *bytes, size_t size)
-{
-    uint32_t crc = 0xFFFFFFFF;
-    for (size_t i = 0; i < size; i++) {
-        crc ^= bytes[i];
-        for (int bit = 0; bit < 8; bit++)
-            crc = crc >> 1 ^ (crc & 1 ? 0x82F63B78 : 0);
-    }
-    return ~crc;
-}
-
-/* Make the last four bytes the checksum of the others. */
-static void seal(file *f)
-{
-    const uint32_t crc = crc32c(f->bytes, f->size - 4);
-    memcpy(f->bytes + f->size - 4, &crc, sizeof crc);
-}
-
-static size_t header_length(const file *f)
-{
-    uint64_t length;
-    memcpy(&length, f->bytes, sizeof length);
-    return (size_t)length;
-}
-
-/* Replace the header by another text, padded as a writer pads it. */
-static void set_header(file *f, const char *text)
-{
-    char padded[FILE_SIZE];
-    const size_t old_end = 8 + header_length(f), tail = f->size - old_end;
-    size_t length = strlen(text);
-    memcpy(padded, text, length);
-    while (length % 8 != 0)
-        padded[length++] = ' ';
-
-    memmove(f->bytes + 8 + length, f->bytes + old_end, tail);
-    const uint64_t written = length;
-    memcpy(f->bytes, &written, sizeof written);
-    memcpy(f->bytes + 8, padded, length);
-    f->size = 8 + length + tail;
-    seal(f);
-}
-
-/* Replace a part of the header, which must be there. */
-static void edit_header(file *f, const char *from, const char *to)
-{
-    char text[FILE_SIZE], edited[FILE_SIZE];
-    memcpy(text, f->bytes + 8, header_length(f));
-    text[header_length(f)] = '\0';
-    char *found = strstr(text, from);
-    if (!found)
-        fail_msg("the header has no %s: %s", from, text);
-    *found = '\0';
-    snprintf(edited, sizeof edited, "%s%s%s", text, to, found + strlen(from));
-    set_header(f, edited);
-}
-
-/* Overwrite a number of a tensor. */
-static void edit_data(file *f, const char *tensor, size_t index, const void *number, size_t width)
-{
-    char text[FILE_SIZE], key[64];
-    memcpy(text, f->bytes + 8, header_length(f));
-    text[header_length(f)] = '\0';
-    snprintf(key, sizeof key, "\"%s\":", tensor);
-    const char *offsets = strstr(strstr(text, key), "data_offsets\":[");
-    const size_t begin = (size_t)atoi(offsets + strlen("data_offsets\":["));
-    memcpy(f->bytes + 8 + header_length(f) + begin + index * width, number, width);
-    seal(f);
-}
-
-static vdna_status open_bytes(const file *f, vdna_error *error, vdna_experience *out)
+static vdna_status open_bytes(const edited_file *f, vdna_error *error, vdna_experience *out)
 {
     const char *path = path_in(&f->directory, "damaged");
     save_file(path, f->bytes, f->size);
     return vdna_experience_open(path, error, out);
 }
 
-static void assert_opens(const file *f)
+static void assert_opens(const edited_file *f)
 {
     vdna_error error = {""};
     vdna_experience e;
@@ -127,7 +47,7 @@ static void assert_opens(const file *f)
 }
 
 /* Check that the file is refused by name, for the intended reason, without output. */
-static void assert_refused(const file *f, vdna_status expected, const char *reason)
+static void assert_refused(const edited_file *f, vdna_status expected, const char *reason)
 {
     vdna_error error = {""};
     vdna_experience e, untouched;
@@ -141,7 +61,7 @@ static void assert_refused(const file *f, vdna_status expected, const char *reas
 
 static void what_is_written_is_read_back(void **state)
 {
-    const file *f = *state;
+    const edited_file *f = *state;
     const vdna_experience sample = sample_experience();
     vdna_experience e;
     assert_int_equal(vdna_experience_open(path_in(&f->directory, "sample"), NULL, &e), VDNA_OK);
@@ -187,7 +107,7 @@ static void what_is_written_is_read_back(void **state)
 
 static void an_experience_needs_no_places_and_no_positions(void **state)
 {
-    const file *f = *state;
+    const edited_file *f = *state;
     const char *path = path_in(&f->directory, "bare");
     vdna_experience sample = sample_experience(), e;
     sample.frame_place = NULL;
@@ -203,7 +123,7 @@ static void an_experience_needs_no_places_and_no_positions(void **state)
 
 static void a_precision_is_kept_and_defaults_to_fp32(void **state)
 {
-    const file *f = *state;
+    const edited_file *f = *state;
     const char *path = path_in(&f->directory, "int8");
     vdna_experience sample = sample_experience(), e;
     assert_int_equal(vdna_experience_open(path_in(&f->directory, "sample"), NULL, &e), VDNA_OK);
@@ -222,7 +142,7 @@ static void a_precision_is_kept_and_defaults_to_fp32(void **state)
 
 static void the_longest_taps_are_kept(void **state)
 {
-    const file *f = *state;
+    const edited_file *f = *state;
     const char *path = path_in(&f->directory, "tapped");
     static const char rest[] = ":2:4,top:1:1";
     vdna_experience sample = sample_experience(), e;
@@ -237,7 +157,7 @@ static void the_longest_taps_are_kept(void **state)
 
 static void the_checksum_is_crc32c_of_all_before_it(void **state)
 {
-    const file *f = *state;
+    const edited_file *f = *state;
     assert_int_equal(crc32c((const unsigned char *)"123456789", 9), 0xE3069283);
     uint32_t written;
     memcpy(&written, f->bytes + f->size - 4, sizeof written);
@@ -264,14 +184,14 @@ static void every_other_spelling_of_the_header_opens(void **state)
          "\"scalar\":{\"dtype\":\"F64\",\"shape\":[],\"data_offsets\":[80,80]},\"mass\":"},
     };
     for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
-        file f = *(const file *)*state;
+        edited_file f = *(const edited_file *)*state;
         edit_header(&f, edits[i].from, edits[i].to);
         assert_opens(&f);
     }
 }
 
 /* Write positions whose frame is not said, in a file or in a struct; the frame that is read. */
-static void assert_frame(const file *f, const double position[2][3], const char *expected)
+static void assert_frame(const edited_file *f, const double position[2][3], const char *expected)
 {
     const char *path = path_in(&f->directory, "positions");
     vdna_experience sample = sample_experience(), e;
@@ -298,7 +218,7 @@ static void positions_near_the_surface_of_the_earth_are_of_gps_if_nothing_is_sai
 
 static void a_file_that_does_not_say_the_frame_is_read_as_before(void **state)
 {
-    file f = *(const file *)*state;
+    edited_file f = *(const edited_file *)*state;
     vdna_experience e;
     edit_header(&f, ",\"position_frame\":\"local\",\"order\":\"utime\"", "");
     assert_int_equal(open_bytes(&f, NULL, &e), VDNA_OK);
@@ -309,7 +229,7 @@ static void a_file_that_does_not_say_the_frame_is_read_as_before(void **state)
 
 static void frames_may_lack_the_truth_that_others_have_since_version_2(void **state)
 {
-    const file *f = *state;
+    const edited_file *f = *state;
     const char *path = path_in(&f->directory, "gaps");
     const int64_t place[] = {VDNA_PLACE_NONE, 3};
     const double position[2][3] = {{1, 2, 3}, {NAN, NAN, NAN}};
@@ -332,7 +252,7 @@ static void frames_may_lack_the_truth_that_others_have_since_version_2(void **st
 }
 
 /* Put an experience's file in place of the sample's. */
-static void load(file *f, vdna_experience e)
+static void load(edited_file *f, vdna_experience e)
 {
     const char *path = path_in(&f->directory, "other");
     assert_int_equal(vdna_experience_write(&e, path, NULL), VDNA_OK);
@@ -341,7 +261,7 @@ static void load(file *f, vdna_experience e)
 
 static void a_second_embedding_is_kept_since_version_3(void **state)
 {
-    file f = *(const file *)*state;
+    edited_file f = *(const edited_file *)*state;
     const vdna_experience grid = grid_experience();
     vdna_experience e;
     load(&f, grid);
@@ -373,7 +293,7 @@ static void a_second_embedding_is_kept_since_version_3(void **state)
 
 static void embeddings_stored_as_codes_are_read_as_floats(void **state)
 {
-    file f = *(const file *)*state;
+    edited_file f = *(const edited_file *)*state;
     const vdna_experience coded = coded_experience();
     vdna_experience e;
     load(&f, coded);
@@ -404,7 +324,7 @@ static void embeddings_stored_as_codes_are_read_as_floats(void **state)
 
 static void a_projection_is_kept_since_version_4(void **state)
 {
-    file f = *(const file *)*state;
+    edited_file f = *(const edited_file *)*state;
     const vdna_experience projected = projected_experience();
     vdna_experience e;
     load(&f, projected);
@@ -435,15 +355,15 @@ static void a_projection_that_breaks_a_rule_is_refused(void **state)
          "tensor projection has a dtype"},
         {"\"projection\":", "\"acme_projection\":", "comparable is not"},
     };
-    file projected = *(const file *)*state;
+    edited_file projected = *(const edited_file *)*state;
     load(&projected, projected_experience());
     for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
-        file f = projected;
+        edited_file f = projected;
         edit_header(&f, edits[i].from, edits[i].to);
         assert_refused(&f, VDNA_ERR_FORMAT, edits[i].reason);
     }
     const float nan = NAN, other = 0.25f;
-    file f = projected;
+    edited_file f = projected;
     edit_data(&f, "projection", 8, &nan, 4);
     assert_refused(&f, VDNA_ERR_FORMAT, "direction 1 of the projection has a NaN or an infinity");
     edit_data(&projected, "projection", 8, &other, 4);
@@ -471,17 +391,17 @@ static void codes_that_break_a_rule_are_refused(void **state)
         {"mid grid=1x5 last=top centred", "mid grid=1x5 last=top", "comparable is not"},
     };
     const float nan = NAN, infinity = INFINITY, negative = -1, huge = 1e13f;
-    file coded = *(const file *)*state;
+    edited_file coded = *(const edited_file *)*state;
     load(&coded, coded_experience());
     for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
-        file f = coded;
+        edited_file f = coded;
         edit_header(&f, edits[i].from, edits[i].to);
         assert_refused(&f, VDNA_ERR_FORMAT, edits[i].reason);
     }
     static const char *const scales[] = {"frame_embedding_scale", "frame_last_layer_scale"};
     const float *const bad[] = {&nan, &infinity, &negative, &huge};
     for (size_t i = 0; i < 8; i++) {
-        file f = coded;
+        edited_file f = coded;
         char reason[64];
         snprintf(reason, sizeof reason, "%s of frame 1 is ", scales[i % 2]);
         edit_data(&f, scales[i % 2], 1, bad[i / 2], 4);
@@ -492,14 +412,14 @@ static void codes_that_break_a_rule_are_refused(void **state)
 static void numbers_too_large_to_localise_by_are_refused(void **state)
 {
     const float most[] = {1e15f, -1e15f}, beyond[] = {1.1e15f, 3.4e38f, -1.1e15f};
-    file good = *(const file *)*state;
+    edited_file good = *(const edited_file *)*state;
     vdna_experience e;
     for (size_t i = 0; i < 2; i++)
         edit_data(&good, "embeddings", 6 + i, &most[i], 4);
     assert_int_equal(open_bytes(&good, NULL, &e), VDNA_OK);
     vdna_experience_close(&e);
     for (size_t i = 0; i < 3; i++) {
-        file f = good;
+        edited_file f = good;
         edit_data(&f, "embeddings", 7, &beyond[i], 4);
         assert_refused(&f, VDNA_ERR_FORMAT,
                        "the embedding of frame 1 has a number beyond 1e+15, by which no frame");
@@ -508,7 +428,7 @@ static void numbers_too_large_to_localise_by_are_refused(void **state)
 
 static void a_newer_format_version_is_unsupported_and_says_what_to_do(void **state)
 {
-    file f = *(const file *)*state;
+    edited_file f = *(const edited_file *)*state;
     edit_header(&f, "\"format_version\":\"1\"", "\"format_version\":\"5\"");
     assert_refused(&f, VDNA_ERR_UNSUPPORTED, "update this program");
     edit_header(&f, "\"format_version\":\"5\"", "\"format_version\":\"10\"");
@@ -570,7 +490,7 @@ static void metadata_that_breaks_a_rule_is_refused(void **state)
         {"tiny-net", "tiny\\u0000net", "a character of a JSON string"},
     };
     for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
-        file f = *(const file *)*state;
+        edited_file f = *(const edited_file *)*state;
         edit_header(&f, edits[i].from, edits[i].to);
         assert_refused(&f, VDNA_ERR_FORMAT, edits[i].reason);
     }
@@ -625,7 +545,7 @@ static void a_tensor_that_breaks_a_rule_is_refused(void **state)
         {"{\"__metadata__\":", "{\"__metadata__\":{},\"__metadata__\":", "one __metadata__ only"},
     };
     for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
-        file f = *(const file *)*state;
+        edited_file f = *(const edited_file *)*state;
         edit_header(&f, edits[i].from, edits[i].to);
         assert_refused(&f, VDNA_ERR_FORMAT, edits[i].reason);
     }
@@ -659,7 +579,7 @@ static void a_number_that_breaks_a_rule_is_refused(void **state)
         {"frame_position", 0, &no_number, 8, "the position of frame 0"},
     };
     for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
-        file f = *(const file *)*state;
+        edited_file f = *(const edited_file *)*state;
         edit_data(&f, edits[i].tensor, edits[i].index, edits[i].number, edits[i].width);
         assert_refused(&f, VDNA_ERR_FORMAT, edits[i].reason);
     }
@@ -667,7 +587,7 @@ static void a_number_that_breaks_a_rule_is_refused(void **state)
 
 static void counts_that_match_only_modulo_32_bits_are_refused(void **state)
 {
-    file f = *(const file *)*state;
+    edited_file f = *(const edited_file *)*state;
     const uint32_t half = 0x80000000;
     edit_data(&f, "counts", 4, &half, 4);
     edit_data(&f, "counts", 7, &half, 4);
@@ -725,7 +645,7 @@ static void a_header_that_is_no_json_of_safetensors_is_refused(void **state)
         "{\"__metadata__\":{}} x",
     };
     for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
-        file f = *(const file *)*state;
+        edited_file f = *(const edited_file *)*state;
         set_header(&f, headers[i]);
         assert_refused(&f, VDNA_ERR_FORMAT, "expected ");
     }
@@ -733,7 +653,7 @@ static void a_header_that_is_no_json_of_safetensors_is_refused(void **state)
 
 static void a_key_may_have_63_bytes_and_no_more(void **state)
 {
-    file f = *(const file *)*state;
+    edited_file f = *(const edited_file *)*state;
     edit_header(
         &f, "{\"format\"",
         "{\"123456789012345678901234567890123456789012345678901234567890123\":\"\",\"format\"");
@@ -752,7 +672,7 @@ static void a_key_is_the_same_however_it_is_escaped(void **state)
         "{\"\xF0\x9F\x98\x80\":\"\",\"\\ud83d\\ude00\":\"\",\"format\"",
     };
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
-        file f = *(const file *)*state;
+        edited_file f = *(const edited_file *)*state;
         edit_header(&f, "{\"format\"", pairs[i]);
         assert_refused(&f, VDNA_ERR_FORMAT, "each key of __metadata__ once");
     }
@@ -760,7 +680,7 @@ static void a_key_is_the_same_however_it_is_escaped(void **state)
 
 static void more_tensors_or_texts_than_a_header_may_have_are_refused(void **state)
 {
-    file f = *(const file *)*state;
+    edited_file f = *(const edited_file *)*state;
     char tensors[FILE_SIZE / 2] = "", texts[FILE_SIZE / 2] = "";
     for (int i = 0; i < 33; i++) {
         sprintf(tensors + strlen(tensors),
@@ -771,14 +691,14 @@ static void more_tensors_or_texts_than_a_header_may_have_are_refused(void **stat
     strcat(texts, "\"name\":");
     edit_header(&f, "\"counts\":", tensors);
     assert_refused(&f, VDNA_ERR_FORMAT, "no more than 32 tensors");
-    f = *(const file *)*state;
+    f = *(const edited_file *)*state;
     edit_header(&f, "\"name\":", texts);
     assert_refused(&f, VDNA_ERR_FORMAT, "no more than 32 texts");
 }
 
 static void data_that_is_not_aligned_is_refused(void **state)
 {
-    file f = *(const file *)*state;
+    edited_file f = *(const edited_file *)*state;
     memmove(f.bytes + 9, f.bytes + 8, f.size - 8);
     f.bytes[8] = '{';
     f.bytes[9] = ' ';
@@ -790,29 +710,26 @@ static void data_that_is_not_aligned_is_refused(void **state)
 
 static void a_file_cut_at_any_length_is_refused(void **state)
 {
-    file f = *(const file *)*state;
-    for (size_t size = 0; size < ((const file *)*state)->size; size++) {
+    edited_file f = *(const edited_file *)*state;
+    for (size_t size = 0; size < ((const edited_file *)*state)->size; size++) {
         f.size = size;
-        assert_refused(&f, VDNA_ERR_FORMAT,
-                       size == 0  ? "empty"
-                       : size < 8 ? "expected at least"
-                                  : "cut short");
+        assert_refused(&f, VDNA_ERR_FORMAT, size < 8 ? "expected at least" : "cut short");
     }
 }
 
 static void a_byte_more_is_refused(void **state)
 {
-    file f = *(const file *)*state;
+    edited_file f = *(const edited_file *)*state;
     f.size++;
     assert_refused(&f, VDNA_ERR_FORMAT, "bytes, but");
 }
 
 static void any_damaged_byte_is_refused(void **state)
 {
-    const file *f = *state;
+    const edited_file *f = *state;
     for (size_t i = 0; i < f->size; i++)
         for (unsigned mask = 1; mask < 256; mask = 2 * mask + 1) {
-            file damaged = *f;
+            edited_file damaged = *f;
             damaged.bytes[i] ^= (unsigned char)mask;
             vdna_experience e;
             assert_int_not_equal(open_bytes(&damaged, NULL, &e), VDNA_OK);
@@ -821,14 +738,14 @@ static void any_damaged_byte_is_refused(void **state)
 
 static void a_damaged_number_is_a_checksum_error(void **state)
 {
-    file f = *(const file *)*state;
+    edited_file f = *(const edited_file *)*state;
     f.bytes[f.size - 10] ^= 1;
     assert_refused(&f, VDNA_ERR_CHECKSUM, "copy it again");
 }
 
 static void a_length_beyond_the_file_is_refused_before_it_is_used(void **state)
 {
-    file f = *(const file *)*state;
+    edited_file f = *(const edited_file *)*state;
     memset(f.bytes, 0xFF, 8);
     assert_refused(&f, VDNA_ERR_FORMAT, "the header claims 18446744073709551615 bytes");
     memset(f.bytes, 0, 8);
@@ -837,7 +754,7 @@ static void a_length_beyond_the_file_is_refused_before_it_is_used(void **state)
 
 static void a_file_that_is_not_regular_is_refused_without_waiting(void **state)
 {
-    const file *f = *state;
+    const edited_file *f = *state;
     const char *fifo = path_in(&f->directory, "fifo");
     vdna_experience e;
     vdna_error error;
@@ -855,7 +772,7 @@ static void a_file_that_is_not_regular_is_refused_without_waiting(void **state)
 
 static void a_huge_sparse_file_is_refused(void **state)
 {
-    const file *f = *state;
+    const edited_file *f = *state;
     const char *path = path_in(&f->directory, "sparse");
     const int descriptor = open(path, O_WRONLY | O_CREAT, 0600);
     vdna_experience e;
@@ -867,7 +784,7 @@ static void a_huge_sparse_file_is_refused(void **state)
 
 static void an_open_experience_outlives_its_file(void **state)
 {
-    const file *f = *state;
+    const edited_file *f = *state;
     const char *path = path_in(&f->directory, "sample");
     vdna_experience e;
     assert_int_equal(vdna_experience_open(path, NULL, &e), VDNA_OK);

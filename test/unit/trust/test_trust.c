@@ -732,6 +732,10 @@ static void tables_with_a_hole_are_refused(void **state)
         REFUSED(vdna_trust_init(&config, mem, sizeof mem, &trust));
     }
     assert_null(trust);
+    assert_int_equal(vdna_trust_tables_check(&tables, 3), VDNA_OK);
+    REFUSED(vdna_trust_tables_check(NULL, 3));
+    REFUSED(vdna_trust_tables_check(&tables, 0));
+    REFUSED(vdna_trust_tables_check(&tables, VDNA_TRUST_RUNS_MAX + 1));
 }
 
 static void a_number_of_the_tables_beyond_its_range_is_refused(void **state)

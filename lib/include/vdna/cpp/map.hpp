@@ -54,6 +54,9 @@ class Map
     /** At least one. */
     const std::vector<vdna_experience> &experiences() const { return experiences_; }
 
+    /** As it was given. */
+    const std::string &directory() const { return directory_; }
+
     /** Why each experience that was left out was. */
     const std::vector<std::string> &left_out() const { return left_out_; }
 

@@ -30,8 +30,8 @@ from .neighbours import Neighbours, nearest
 from .ranges import Ranges
 from .reference import ReferenceVdna
 from .selector import Answer, Candidate, Match, Selector
-from .trust import TRUST_CELL, TRUST_WINDOWS, Prediction, StoredRun, Trust, TrustAnswer, TrustFit
-from .trust import TrustTables, Verdict, trust_tables, trust_windows
+from .trust import TRUST_CELL, TRUST_WINDOWS, MapTrust, Prediction, StoredRun, Trust, TrustAnswer
+from .trust import TrustFit, TrustTables, Verdict, trust_tables, trust_windows
 
 __version__ = version()
 
@@ -48,6 +48,7 @@ __all__ = [
     "HistogramView",
     "Identity",
     "Localiser",
+    "MapTrust",
     "Match",
     "NamedTap",
     "Neighbours",

@@ -174,6 +174,16 @@ class TrustTablesFields(Structure):
     ]
 
 
+class MapTrustFields(Structure):
+    _fields_ = [
+        ("tables", TrustTablesFields),
+        ("tolerance", c_double),
+        ("runs", c_uint32),
+        ("localiser", c_uint32),
+        ("memory", c_void_p),
+    ]
+
+
 class TrustConfig(Structure):
     _fields_ = [
         ("struct_size", c_uint32),
@@ -530,6 +540,19 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
             POINTER(ExperienceFile),
             POINTER(c_uint32),
         ),
+        "vdna_map_trust_open": (
+            path,
+            POINTER(ExperienceFile),
+            c_uint32,
+            POINTER(Error),
+            POINTER(MapTrustFields),
+        ),
+        "vdna_map_trust_write": (
+            path,
+            POINTER(ExperienceFile),
+            POINTER(MapTrustFields),
+            POINTER(Error),
+        ),
     }
     direct: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
         "vdna_version": (c_char_p, ()),
@@ -560,6 +583,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_trust_fitted": (POINTER(TrustFitFields), (address,)),
         "vdna_trust_intercepts": (address, (address,)),
         "vdna_trust_reason_text": (c_char_p, (c_uint32,)),
+        "vdna_map_trust_close": (None, (POINTER(MapTrustFields),)),
         "vdna_select_config_init_sized": (None, (POINTER(SelectConfig), size)),
         "vdna_select_mem_size": (size, (POINTER(SelectConfig),)),
         "vdna_select_reset": (None, (address,)),

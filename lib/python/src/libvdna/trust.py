@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import enum
-from ctypes import byref, c_double, c_uint32, c_void_p, pointer
+from ctypes import Array, byref, c_double, c_uint32, c_void_p, pointer
 from typing import Iterable, List, NamedTuple, Optional, Sequence, SupportsIndex, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import UINT32_MAX, block, floats, integer, integers, shaped, view
-from ._library import TrustAnswerFields, TrustCell, TrustConfig, TrustFitFields
+from ._library import Error, ExperienceFile, MapTrustFields, TrustAnswerFields, TrustCell, TrustConfig, TrustFitFields
 from ._library import TrustPredictionFields, TrustRunFields, TrustTablesFields, lib
-from .experience import encoded
+from .experience import Experience, Path, _path, encoded
 
 #: Most windows of a run.
 TRUST_WINDOWS = 7
@@ -186,6 +186,75 @@ def trust_tables(
     return TrustTables(frames, own_scale, correlation, cells)
 
 
+class MapTrust(NamedTuple):
+    """What a map knows about itself, as the file trust.safetensors beside its experiences has it."""
+
+    tables: TrustTables
+    tolerance: float
+    """Metres or place numbers: as far apart were frames of one place."""
+    centred: bool
+    """Whose recall the tables have, as for `trust_tables()`."""
+
+    @classmethod
+    def open(cls, directory: Path, experiences: Sequence[Experience]) -> MapTrust:
+        """Open the file of a map, for these experiences of it, in their order.
+
+        experiences: as open_map() gives them; some of them will do
+        VdnaError: EMPTY if there is no such file, MISMATCH if it does not know one of them as it is
+                   now, FORMAT, CHECKSUM, IO, UNSUPPORTED for a newer format
+        """
+        n, fields = len(experiences), MapTrustFields()
+        lib.vdna_map_trust_open(_path(directory), _structs(experiences), n, Error(), fields)
+        try:
+            tables = TrustTables(
+                view(fields, fields.tables.frames, (n,), np.uint32).copy(),
+                view(fields, fields.tables.own_scale, (n,), np.float64).copy(),
+                view(fields, fields.tables.correlation, (n,), np.float64).copy(),
+                view(
+                    fields, fields.tables.cells, (n, n, len(TRUST_CELL), TRUST_WINDOWS), np.float64
+                ).copy(),
+            )
+            return cls(tables, fields.tolerance, fields.localiser == 0)
+        finally:
+            lib.vdna_map_trust_close(fields)
+
+    def write(self, directory: Path, experiences: Sequence[Experience]) -> None:
+        """Write the file of a map crash-safely.
+
+        experiences: of that map, from files, in the order of the tables
+        VdnaError: ARG, NONFINITE or MISMATCH for tables that break their rules or are not of these
+                   experiences, IO
+        """
+        arrays = _checked(self.tables, len(experiences))
+        fields = MapTrustFields(_tables_fields(arrays), self.tolerance, len(experiences))
+        fields.localiser = 0 if self.centred else 1
+        lib.vdna_map_trust_write(_path(directory), _structs(experiences), fields, Error())
+
+
+def _structs(experiences: Sequence[Experience]) -> Array[ExperienceFile]:
+    """Copies that borrow from the experiences."""
+    return (ExperienceFile * max(1, len(experiences)))(*(e.struct for e in experiences))
+
+
+def _checked(tables: TrustTables, runs: int) -> Tuple[NDArray[np.generic], ...]:
+    """The tables as C has them, of the right shapes."""
+    return (
+        shaped(integers(tables.frames, "frames", np.uint32), (runs,), "frames"),
+        shaped(floats(tables.own_scale, "own_scale", np.float64), (runs,), "own_scale"),
+        shaped(floats(tables.correlation, "correlation", np.float64), (runs,), "correlation"),
+        shaped(
+            floats(tables.cells, "cells", np.float64),
+            (runs, runs, len(TRUST_CELL), TRUST_WINDOWS),
+            "cells",
+        ),
+    )
+
+
+def _tables_fields(arrays: Tuple[NDArray[np.generic], ...]) -> TrustTablesFields:
+    """Borrows from the arrays."""
+    return TrustTablesFields(*(array.ctypes.data for array in arrays))
+
+
 class Verdict(enum.IntEnum):
     """Whether any of the candidates fits."""
 
@@ -286,18 +355,8 @@ class Trust:
         config.localiser = 0 if centred else 1
         config.min_recall, config.switch_cost = min_recall, switch_cost
         if tables is not None:
-            n = self._runs
-            arrays = (
-                shaped(integers(tables.frames, "frames", np.uint32), (n,), "frames"),
-                shaped(floats(tables.own_scale, "own_scale", np.float64), (n,), "own_scale"),
-                shaped(floats(tables.correlation, "correlation", np.float64), (n,), "correlation"),
-                shaped(
-                    floats(tables.cells, "cells", np.float64),
-                    (n, n, len(TRUST_CELL), TRUST_WINDOWS),
-                    "cells",
-                ),
-            )
-            fields = TrustTablesFields(*(array.ctypes.data for array in arrays))
+            arrays = _checked(tables, self._runs)
+            fields = _tables_fields(arrays)
             config.tables = pointer(fields)
         self._memory = block(lib.vdna_trust_mem_size(config))
         self._trust = c_void_p()  # within `_memory`

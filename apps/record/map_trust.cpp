@@ -1,0 +1,115 @@
+#include "record/map_trust.hpp"
+
+#include <cmath>
+
+#include <vdna/cpp/trust.hpp>
+
+#include "program/print.hpp"
+#include "record/trust_tables.hpp"
+
+namespace vdna::record
+{
+
+namespace
+{
+
+// The experiences that the file knows, if it is made as it is to be.
+std::vector<size_t> known_runs(const std::string &map,
+                               const std::vector<vdna_experience> &experiences,
+                               std::optional<double> &tolerance)
+{
+    std::vector<size_t> known;
+    for (size_t i = 0; i < experiences.size(); i++) {
+        const MapTrust one(map, &experiences[i], 1);
+        if (!one || one->localiser != trust_localiser_of(experiences[i]))
+            continue;
+        if (tolerance.value_or(one->tolerance) != one->tolerance)
+            return {};
+        tolerance = one->tolerance;
+        known.push_back(i);
+    }
+    return known;
+}
+
+bool has_distances(const MapTrust &trust)
+{
+    for (size_t i = 0; i < size_t{trust->runs} * trust->runs; i++)
+        if (i % (size_t{trust->runs} + 1) != 0 && std::isnan(trust->tables.cells[i].distance[0]))
+            return false;
+    return true;
+}
+
+std::string runs_text(uint32_t count)
+{
+    return std::to_string(count) + (count == 1 ? " experience" : " experiences");
+}
+
+std::string skill_text(const vdna_trust_fit &fit)
+{
+    if (fit.labelled < VDNA_TRUST_SKILL_RUNS_MIN)
+        return std::to_string(VDNA_TRUST_SKILL_RUNS_MIN) +
+               " are needed to tell how well distances predict it";
+    const std::string skill = "skill " + program::fixed(fit.skill, 2);
+    return fit.skill > 0 ? skill : skill + ": here distances say nothing about it";
+}
+
+std::string sentence_of(const MapTrust &trust, const vdna_trust_fit &fit)
+{
+    const std::string needed = "no predicted recall: " + std::to_string(VDNA_TRUST_RUNS_MIN) +
+                               " labelled experiences are needed, ";
+    if (trust->runs < VDNA_TRUST_RUNS_MIN)
+        return needed + "the map has " + runs_text(trust->runs) + "; record more";
+    if (!has_distances(trust))
+        return "no predicted recall: no file keeps the activations that it needs, and the "
+               "network's last layer, which may stand for them, is not its only tap";
+    if (fit.labelled < VDNA_TRUST_RUNS_MIN)
+        return needed + std::to_string(fit.labelled) + " of " + std::to_string(trust->runs) +
+               " are; build them with places or positions of one frame";
+    return "predicted recall from " + std::to_string(fit.labelled) + " labelled of " +
+           runs_text(trust->runs) + "; " + skill_text(fit);
+}
+
+} // namespace
+
+void renew_map_trust(const std::string &map, std::optional<double> tolerance)
+{
+    const Map open(map);
+    const std::vector<vdna_experience> &experiences = open.experiences();
+    const std::vector<size_t> known = known_runs(map, experiences, tolerance);
+    std::vector<vdna_experience> known_experiences;
+    for (const size_t run : known)
+        known_experiences.push_back(experiences[run]);
+    const MapTrust before(map, known_experiences.data(), known_experiences.size());
+
+    Members members;
+    for (const vdna_experience &experience : experiences)
+        members.push_back(&experience);
+    vdna_map_trust trust{};
+    trust.tolerance = tolerance.value_or(trust_tolerance_default);
+    const TrustTables tables = make_trust_tables(
+        members, trust.tolerance, distance_of_codes(members), KnownTables{before->tables, known});
+    trust.tables = tables.view();
+    trust.runs = static_cast<uint32_t>(experiences.size());
+    trust.localiser = trust_localiser_of(experiences.front());
+    vdna_error error{};
+    require(vdna_map_trust_write(map.c_str(), experiences.data(), &trust, &error), error);
+}
+
+SelfKnowledge self_knowledge_of(const std::string &map,
+                                const std::vector<vdna_experience> &experiences)
+{
+    SelfKnowledge self{"", {}, 0, std::nan("")};
+    const MapTrust trust(map, experiences.data(), experiences.size());
+    if (!trust) {
+        self.sentence = "no predicted recall: " + trust.why_not();
+        return self;
+    }
+    const vdna_trust_fit fit = Trust(map, experiences).fit();
+    self.sentence = sentence_of(trust, fit);
+    self.tolerance = trust->tolerance;
+    self.labelled = trust->runs > 1 ? fit.labelled : 0;
+    self.skill = fit.skill;
+    return self;
+}
+
+} // namespace vdna::record
