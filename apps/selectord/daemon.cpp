@@ -85,6 +85,7 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop,
                      "them with --answers FILE\n");
     overhear(transport); // of a log, the first poll may take hundreds of messages
     manager.ready();
+    serving_utime_ = program::wall_us();
     int64_t next_status_us = program::monotonic_us();
     while (!stop) {
         uint32_t events = 0;
@@ -372,6 +373,7 @@ const char *Daemon::problem() const
 void Daemon::publish_status(vdna_transport *transport)
 {
     const StatusFacts now{process_id_,
+                          serving_utime_,
                           state(),
                           *session_->select(),
                           *vdna_transport_count(transport),

@@ -111,6 +111,7 @@ class Daemon
     int64_t used_us_ = 0;                   // when the newest frame was used; 0 = none yet
     uint64_t refused_ = 0, unusable_ = 0;
     std::array<char, sizeof(vdna_error::text)> refusal_{}; // why the newest of these was refused
+    int64_t serving_utime_ = 0; // microseconds since 1970; since when it answers frames
     uint64_t localised_ = 0;
     uint64_t unanswered_ = 0; // frames skipped or late since the last answer
     uint32_t window_frames_max_ = 0;

@@ -549,6 +549,14 @@ static void a_published_ranking_passes_the_check_and_decodes_to_itself(void **st
     assert_memory_equal(ranking.distance_bins, sample_distances, sizeof sample_distances);
     assert_memory_equal(ranking.tied, sample_tied, sizeof sample_tied);
     assert_memory_equal(ranking.predicted_recall, sample_recalls, sizeof sample_recalls);
+    assert_string_equal(ranking.ranked_by, "transfer");
+    assert_string_equal(ranking.verdict, "poor");
+    assert_true(ranking.unlike == 0.0625 && ranking.skill == 0.5);
+    assert_int_equal(ranking.settled_frames, 12);
+    assert_string_equal(ranking.previous, "snow");
+    assert_memory_equal(ranking.predicted_low, sample_lows, sizeof sample_lows);
+    assert_memory_equal(ranking.predicted_high, sample_highs, sizeof sample_highs);
+    assert_memory_equal(ranking.transfer, sample_transfers, sizeof sample_transfers);
     vdna_msg_ranking_t_decode_cleanup(&ranking);
 }
 
@@ -572,6 +580,7 @@ static void a_published_localisation_passes_the_check_and_decodes_to_itself(void
     assert_memory_equal(answer.position, sample_localisation.position, sizeof answer.position);
     assert_true(answer.distance == 0.125);
     assert_true(answer.predicted_recall == 0.5);
+    assert_true(answer.predicted_low == 0.25 && answer.predicted_high == 0.75);
     assert_int_equal(answer.latency_us, 20000);
     assert_int_equal(answer.skipped, 3);
     vdna_msg_localisation_t_decode_cleanup(&answer);
@@ -585,6 +594,12 @@ static void a_published_status_passes_the_check_and_decodes_to_itself(void **sta
     assert_int_equal(vdna_msg_status_t_decode(kept.bytes, 0, (int)kept.size, &status), kept.size);
     assert_int_equal(status.utime, sample_status.utime);
     assert_int_equal(status.state, VDNA_MSG_STATUS_T_VALID);
+    assert_int_equal(status.instance, -77);
+    assert_int_equal(status.serving_utime, 1700000000000001);
+    assert_string_equal(status.host, "robot");
+    assert_int_equal(status.left_out, 1);
+    assert_int_equal(status.map_changed, 1);
+    assert_int_equal(status.switches, 6);
     assert_true(status.progress == 1);
     assert_string_equal(status.experience, "snow");
     assert_int_equal(status.experiences, 2);
