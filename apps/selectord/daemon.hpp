@@ -33,7 +33,7 @@ class Daemon
   public:
     // Allocates all memory of the loop; borrows all but the map. `process` is that of the backbone,
     // nullptr if it has none of its own. Throws Error.
-    Daemon(const Config &config, std::unique_ptr<const Map> map, const Backbone &backbone,
+    Daemon(const Config &config, OpenedMap map, const Backbone &backbone,
            BackboneProcess *process = nullptr);
 
     // Size of the largest message that run() publishes, in bytes, whatever a reload brings.
@@ -74,11 +74,14 @@ class Daemon
                                                const vdna_backbone_frame &seen, Stopwatch &watch);
     // Judge the picture. Returns why it is left out; "" if it is not.
     const char *fault_of(const vdna_backbone_frame &seen);
-    // Note how an answer went, and mark it if the camera is degraded.
-    void settle(vdna_msg_localisation_t &answer, vdna_status network);
-    State state() const;
+    void note_used(const vdna_msg_localisation_t &answer);
+    void mark_degraded(vdna_msg_localisation_t &answer) const;
+    void send(vdna_transport *transport, const vdna_transport_frame &frame,
+              vdna_msg_localisation_t answer);
+    State state();
     vdna_msg_localisation_t place_of(const vdna_knn_match &match, int64_t utime) const;
-    vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason);
+    vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason,
+                                   int32_t validity = VDNA_MSG_LOCALISATION_T_REFUSED);
     void announce_choice(vdna_transport *transport);
     Resident resident() const;
     const char *problem() const;
@@ -95,7 +98,8 @@ class Daemon
     std::unique_ptr<MapSession> session_;
     const uint32_t message_size_max_;
     std::optional<MapReload> reload_;
-    bool map_is_old_ = false; // the newest reload failed
+    bool map_is_old_ = false;     // the newest reload failed
+    bool map_is_changed_ = false; // the directory, at the last beat
     ResidentMemory memory_;
     LimitedLog problems_, resets_, choices_, reloads_, reload_problems_;
     Waiting waiting_;

@@ -245,7 +245,9 @@ vdna_msg_status_t status_of(const StatusFacts &facts, int64_t utime)
     message.predicted_recall = message.predicted_low = message.predicted_high = not_known;
     message.skill = not_known;
     message.experiences = static_cast<int32_t>(facts.experiences.size());
+    message.left_out = static_cast<int32_t>(facts.left_out);
     message.map_hash = borrow(facts.map_hash.c_str());
+    message.map_changed = facts.map_changed;
     message.backbone = borrow(facts.backbone.identity.backbone);
     message.version = borrow(vdna_version());
     fill_counters(facts, message);

@@ -83,7 +83,9 @@ struct StatusFacts {
     const vdna_select &select;
     const vdna_transport_counters &transport;
     const std::vector<vdna_experience> &experiences;
+    size_t left_out; // experiences
     const std::string &map_hash;
+    bool map_changed;
     const vdna_backbone_info &backbone;
     const Stages &stages;
     FrameCounts counts;
