@@ -62,7 +62,7 @@ Daemon::Daemon(const Config &config, OpenedMap map, const Backbone &backbone,
       session_(std::make_unique<MapSession>(config, std::move(map), backbone.info())),
       message_size_max_(std::max({ranking_growth * session_->ranking().encoded_size(),
                                   message_size_min, other_messages_size_max})),
-      waiting_(config, is_replay_)
+      waiting_(config, is_replay_), standby_(process_id_.instance, program::wall_us())
 {
     vdna_health_init(&health_, nullptr); // cannot fail: the defaults are valid
 }
@@ -92,7 +92,6 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop,
                      "them with --answers FILE\n");
     overhear(transport); // of a log, the first poll may take hundreds of messages
     manager.ready();
-    serving_utime_ = program::wall_us();
     int64_t next_status_us = program::monotonic_us();
     while (!stop) {
         uint32_t events = 0;
@@ -103,6 +102,7 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop,
             throw Error("the LCM connection is gone; see to the network and start again");
         }
 
+        judge_peers(transport);
         if (events & VDNA_TRANSPORT_RESET)
             reset();
         if (reload_)
@@ -112,9 +112,11 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop,
 
         // At 1 Hz, with or without frames; beats missed during a long inference are dropped.
         const int64_t now_us = program::monotonic_us();
-        if (now_us >= next_status_us) {
+        if (now_us >= next_status_us || standby_.has_newcomer()) {
             beat(transport, manager);
-            next_status_us += ((now_us - next_status_us) / status_period_us + 1) * status_period_us;
+            if (now_us >= next_status_us)
+                next_status_us +=
+                    ((now_us - next_status_us) / status_period_us + 1) * status_period_us;
         }
     }
     manager.stopping();
@@ -131,6 +133,19 @@ void Daemon::beat(vdna_transport *transport, const ServiceManager &manager)
     publish_status(transport);
     if (network_makes_progress()) // as do the loop, and the transport that it has polled
         manager.alive();
+}
+
+// Whether another daemon answers on our channels. What was seen before we stood by is old then.
+void Daemon::judge_peers(vdna_transport *transport)
+{
+    uint32_t count = 0;
+    const vdna_transport_peer *peers = vdna_transport_peers(transport, &count);
+    if (!standby_.judge(peers, count, program::monotonic_us(), program::wall_us()))
+        return;
+    forget();
+    problems_.note(program::monotonic_us(), "%s",
+                   standby_.stands_by() ? standby_.reason()
+                                        : "no other daemon answers on these channels: serving");
 }
 
 // It has answered since the last beat, or nothing was asked.
@@ -188,11 +203,17 @@ void Daemon::end_log(vdna_transport *transport) const
                     "frames in them");
 }
 
-void Daemon::reset()
+// What was seen may come again.
+void Daemon::forget()
 {
     vdna_select_reset(session_->select());
-    vdna_health_init(&health_, nullptr); // what was seen may come again
+    vdna_health_init(&health_, nullptr);
     degraded_[0] = '\0';
+}
+
+void Daemon::reset()
+{
+    forget();
     resets_.note(program::monotonic_us(), "reset by command, warming up again");
 }
 
@@ -222,6 +243,11 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
                     const std::atomic<bool> &stop)
 {
     unanswered_ += frame.skipped;
+    if (standby_.stands_by()) {
+        stood_by_++;
+        unanswered_++;
+        return;
+    }
     if (session_->fault()[0] != '\0')
         return send(transport, frame,
                     refuse(frame, session_->fault(), VDNA_MSG_LOCALISATION_T_FAULT));
@@ -336,6 +362,8 @@ State Daemon::state()
     const double stale_us = config_.stale_seconds > 0
                                 ? 1e6 * config_.stale_seconds
                                 : 1e6 + 2.0 * static_cast<double>(stages_.total.percentile_us(50));
+    if (standby_.stands_by())
+        return {VDNA_MSG_STATUS_T_STANDBY, standby_.reason(), age_us};
     if (session_->fault()[0] != '\0')
         return {VDNA_MSG_STATUS_T_FAULT, session_->fault(), age_us};
     if (network_failed_)
@@ -400,7 +428,7 @@ const char *Daemon::problem() const
 void Daemon::publish_status(vdna_transport *transport)
 {
     const StatusFacts now{process_id_,
-                          serving_utime_,
+                          standby_.serving_utime(),
                           state(),
                           *session_->select(),
                           *vdna_transport_count(transport),
@@ -413,6 +441,7 @@ void Daemon::publish_status(vdna_transport *transport)
                           session_->counts(),
                           refused_,
                           unusable_,
+                          stood_by_,
                           window_frames_max_,
                           resident(),
                           problem()};

@@ -23,6 +23,7 @@
 #include "selectord/resident_memory.hpp"
 #include "selectord/service_manager.hpp"
 #include "selectord/stages.hpp"
+#include "selectord/standby.hpp"
 #include "selectord/waiting.hpp"
 
 namespace vdna::selectord
@@ -60,11 +61,13 @@ class Daemon
 
   private:
     void beat(vdna_transport *transport, const ServiceManager &manager);
+    void judge_peers(vdna_transport *transport);
     bool network_makes_progress();
     void overhear(vdna_transport *transport);
     void end_log(vdna_transport *transport) const;
     Facts facts(vdna_transport *transport) const;
     void reset();
+    void forget();
     void go_on_reloading(const ServiceManager &manager);
     void answer(vdna_transport *transport, const vdna_transport_frame &frame,
                 const std::atomic<bool> &stop);
@@ -115,7 +118,8 @@ class Daemon
     int64_t used_us_ = 0;                   // when the newest frame was used; 0 = none yet
     uint64_t refused_ = 0, unusable_ = 0;
     std::array<char, sizeof(vdna_error::text)> refusal_{}; // why the newest of these was refused
-    int64_t serving_utime_ = 0; // microseconds since 1970; since when it answers frames
+    Standby standby_;
+    uint64_t stood_by_ = 0; // frames
     uint64_t localised_ = 0;
     uint64_t unanswered_ = 0; // frames skipped or late since the last answer
     uint32_t window_frames_max_ = 0;

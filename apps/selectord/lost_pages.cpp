@@ -23,8 +23,7 @@ void replace_page(int signal_number, siginfo_t *info, void *)
     const uintptr_t address = reinterpret_cast<uintptr_t>(info->si_addr);
     void *const page = reinterpret_cast<void *>(address - address % page_bytes);
     if (info->si_code != BUS_ADRERR ||
-        mmap(page, page_bytes, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) !=
-            page) {
+        mmap(page, page_bytes, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) != page) {
         signal(signal_number, SIG_DFL);
         return;
     }
@@ -36,8 +35,7 @@ void replace_page(int signal_number, siginfo_t *info, void *)
 void survive_lost_pages()
 {
     page_bytes = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));
-    struct sigaction action {
-    };
+    struct sigaction action{};
     action.sa_sigaction = replace_page;
     action.sa_flags = SA_SIGINFO;
     sigaction(SIGBUS, &action, nullptr);

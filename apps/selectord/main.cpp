@@ -58,6 +58,8 @@ vdna_transport_config transport_config(const Config &config, const Daemon &daemo
     transport.max_message_bytes = daemon.message_size_max();
     transport.camera_channel = config.camera_channel.c_str();
     transport.command_channel = config.command_channel.c_str();
+    if (config.standby && !vdna_transport_is_log(config.url.c_str()))
+        transport.peer_channel = config.status_channel.c_str();
     transport.sources = sources.data();
     transport.source_count = sources.size();
     transport.require_protection = config.require_protection;

@@ -37,8 +37,7 @@ bool has_same_bytes(const struct stat &a, const struct stat &b)
 // All zeros if there is no such file.
 struct stat examine(const std::string &path)
 {
-    struct stat about {
-    };
+    struct stat about{};
     if (stat(path.c_str(), &about) != 0)
         about = {};
     return about;
@@ -60,8 +59,9 @@ int open_to_watch(const std::string &path)
 {
     const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0 && (errno == EMFILE || errno == ENFILE))
-        throw Error(path + ": cannot be watched: " + std::strerror(errno) +
-                    "; raise `ulimit -n`, in a systemd unit LimitNOFILE=, or set [map] copy = true");
+        throw Error(
+            path + ": cannot be watched: " + std::strerror(errno) +
+            "; raise `ulimit -n`, in a systemd unit LimitNOFILE=, or set [map] copy = true");
     return descriptor;
 }
 
@@ -133,8 +133,7 @@ std::string MapFiles::changed_in_place() const
     if (!mapped_)
         return "";
     for (const File &file : files_) {
-        struct stat now {
-        };
+        struct stat now{};
         if (file.descriptor.number() < 0 || fstat(file.descriptor.number(), &now) != 0)
             continue;
         const bool is_touched = !is_same_time(now.st_ctim, file.about.st_ctim) &&

@@ -186,7 +186,7 @@ void fill_counters(const StatusFacts &facts, vdna_msg_status_t &message)
     message.processed = static_cast<int64_t>(facts.counts.accepted);
     message.refused = static_cast<int64_t>(facts.refused);
     message.unusable = static_cast<int64_t>(facts.unusable);
-    message.skipped = static_cast<int64_t>(counters.skipped);
+    message.skipped = static_cast<int64_t>(counters.skipped + facts.stood_by);
     message.oversized = static_cast<int64_t>(counters.oversized);
     message.late = static_cast<int64_t>(facts.counts.late);
     message.rejected = static_cast<int64_t>(counters.rejected);

@@ -89,7 +89,7 @@ struct StatusFacts {
     const vdna_backbone_info &backbone;
     const Stages &stages;
     FrameCounts counts;
-    uint64_t refused, unusable;
+    uint64_t refused, unusable, stood_by; // frames
     uint32_t window_frames_max;
     Resident resident;
     const char *message;
