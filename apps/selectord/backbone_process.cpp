@@ -145,10 +145,14 @@ int spawn_child(int mailbox, int go, int done, pid_t &out_pid)
 
 } // namespace
 
-bool blames_picture(vdna_status status)
+bool has_replied(vdna_status network)
 {
-    return status == VDNA_ERR_FORMAT || status == VDNA_ERR_UNSUPPORTED ||
-           status == VDNA_ERR_NONFINITE;
+    return !is_at_fault(network) || network == VDNA_ERR_NONFINITE;
+}
+
+bool is_at_fault(vdna_status network)
+{
+    return network != VDNA_OK && network != VDNA_ERR_FORMAT && network != VDNA_ERR_UNSUPPORTED;
 }
 
 const vdna_backbone_operations BackboneProcess::operations = {
@@ -500,7 +504,7 @@ vdna_status BackboneProcess::find_budget(vdna_error &error)
     const int64_t trial_us = monotonic_us() - begin_us;
     budget_us_ = config_.budget_ms > 0 ? int64_t{config_.budget_ms} * 1000
                                        : std::max(trials_in_budget * trial_us, shortest_budget_us);
-    if (status == VDNA_OK || blames_picture(status))
+    if (has_replied(status))
         return VDNA_OK;
     return fail(error, status,
                 "%s: the network cannot run in a process of its own: %s; where it needs devices or "

@@ -17,8 +17,12 @@
 namespace vdna::selectord
 {
 
-// Whether a network that gives this works, and another picture may do better.
-bool blames_picture(vdna_status status);
+// Whether a network that gives this has replied, if only that it cannot use the picture or that its
+// numbers are not finite: it is alive.
+bool has_replied(vdna_status network);
+
+// Whether the network is to blame for it, and not the picture.
+bool is_at_fault(vdna_status network);
 
 // Never waits for the process longer than its budget, except for open(). A picture that finds it
 // busy or absent is refused at once; each picture takes the next step towards a process that works.

@@ -47,7 +47,7 @@ constexpr double budget_mb_max = 1u << 20;
 constexpr double nice_max = 19;
 constexpr double tolerance_max = 1e6;
 
-const std::array<Setting, 32> settings{{
+const std::array<Setting, 33> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max},
     {"map", "copy", &Config::copy_map, 0, 0},
     {"map", "leave_out_damaged", &Config::leave_out_damaged, 0, 0},
@@ -68,6 +68,7 @@ const std::array<Setting, 32> settings{{
     {"lcm", "url", &Config::url, 0, path_max},
     {"lcm", "sources", &Config::sources, 0, path_max},
     {"lcm", "require_protection", &Config::require_protection, 0, 0},
+    {"lcm", "standby", &Config::standby, 0, 0},
     {"lcm", "camera", &Config::camera_channel, 1, channel_max},
     {"lcm", "late_seconds", &Config::late_seconds, 0, warmup_seconds_max},
     {"lcm", "command", &Config::command_channel, 1, channel_max},

@@ -39,6 +39,7 @@ struct Config {
     double stale_seconds = 0; // without a used frame, until STALE; 0 = 1 s and two frames' time
     std::string sources; // IPv4 addresses that may send, "10.0.0.2,10.0.0.3"; "" = see transport.h
     bool require_protection = false; // refuse camera frames without a checksum
+    bool standby = true;             // serve only if no other daemon does on the same channels
     std::string url;                 // "" = $LCM_DEFAULT_URL, else LCM's default
     std::string camera_channel = VDNA_CHANNEL_CAMERA;
     std::string command_channel = VDNA_CHANNEL_COMMAND;

@@ -46,16 +46,23 @@ const char *sentence_of(uint32_t verdict)
     }
 }
 
+// Whether the frame went into the selection.
+bool is_used(const vdna_msg_localisation_t &answer)
+{
+    return answer.validity != VDNA_MSG_LOCALISATION_T_REFUSED &&
+           answer.validity != VDNA_MSG_LOCALISATION_T_FAULT;
+}
+
 } // namespace
 
-Daemon::Daemon(const Config &config, std::unique_ptr<const Map> map, const Backbone &backbone,
+Daemon::Daemon(const Config &config, OpenedMap map, const Backbone &backbone,
                BackboneProcess *process)
     : config_(config), backbone_(backbone), process_(process),
       is_replay_(vdna_transport_is_log(config.url.c_str()) != 0), process_id_(identify_process()),
       session_(std::make_unique<MapSession>(config, std::move(map), backbone.info())),
       message_size_max_(std::max({ranking_growth * session_->ranking().encoded_size(),
                                   message_size_min, other_messages_size_max})),
-      waiting_(config, is_replay_)
+      waiting_(config, is_replay_), standby_(process_id_.instance, program::wall_us())
 {
     vdna_health_init(&health_, nullptr); // cannot fail: the defaults are valid
 }
@@ -95,6 +102,7 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop,
             throw Error("the LCM connection is gone; see to the network and start again");
         }
 
+        judge_peers(transport);
         if (events & VDNA_TRANSPORT_RESET)
             reset();
         if (reload_)
@@ -104,9 +112,11 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop,
 
         // At 1 Hz, with or without frames; beats missed during a long inference are dropped.
         const int64_t now_us = program::monotonic_us();
-        if (now_us >= next_status_us) {
+        if (now_us >= next_status_us || standby_.has_newcomer()) {
             beat(transport, manager);
-            next_status_us += ((now_us - next_status_us) / status_period_us + 1) * status_period_us;
+            if (now_us >= next_status_us)
+                next_status_us +=
+                    ((now_us - next_status_us) / status_period_us + 1) * status_period_us;
         }
     }
     manager.stopping();
@@ -119,9 +129,23 @@ void Daemon::beat(vdna_transport *transport, const ServiceManager &manager)
     if (verdict_.is_news)
         std::fprintf(stderr, "vdna_selectord: %s\n", verdict_.text.data());
     overhear(transport);
+    map_is_changed_ = session_->is_directory_changed();
     publish_status(transport);
     if (network_makes_progress()) // as do the loop, and the transport that it has polled
         manager.alive();
+}
+
+// Whether another daemon answers on our channels. What was seen before we stood by is old then.
+void Daemon::judge_peers(vdna_transport *transport)
+{
+    uint32_t count = 0;
+    const vdna_transport_peer *peers = vdna_transport_peers(transport, &count);
+    if (!standby_.judge(peers, count, program::monotonic_us(), program::wall_us()))
+        return;
+    forget();
+    problems_.note(program::monotonic_us(), "%s",
+                   standby_.stands_by() ? standby_.reason()
+                                        : "no other daemon answers on these channels: serving");
 }
 
 // It has answered since the last beat, or nothing was asked.
@@ -179,11 +203,17 @@ void Daemon::end_log(vdna_transport *transport) const
                     "frames in them");
 }
 
-void Daemon::reset()
+// What was seen may come again.
+void Daemon::forget()
 {
     vdna_select_reset(session_->select());
-    vdna_health_init(&health_, nullptr); // what was seen may come again
+    vdna_health_init(&health_, nullptr);
     degraded_[0] = '\0';
+}
+
+void Daemon::reset()
+{
+    forget();
     resets_.note(program::monotonic_us(), "reset by command, warming up again");
 }
 
@@ -212,6 +242,16 @@ void Daemon::go_on_reloading(const ServiceManager &manager)
 void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame,
                     const std::atomic<bool> &stop)
 {
+    unanswered_ += frame.skipped;
+    if (standby_.stands_by()) {
+        stood_by_++;
+        unanswered_++;
+        return;
+    }
+    if (session_->fault()[0] != '\0')
+        return send(transport, frame,
+                    refuse(frame, session_->fault(), VDNA_MSG_LOCALISATION_T_FAULT));
+
     const int64_t begin_us = program::monotonic_us();
     vdna_backbone_frame seen;
     vdna_error error{};
@@ -219,24 +259,21 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     if (stop)
         return; // cancelled: the frame is not at fault
     network_runs_++;
-    network_answers_ += status == VDNA_OK || blames_picture(status);
+    network_answers_ += has_replied(status);
+    network_failed_ = is_at_fault(status);
 
     Stopwatch watch;
     std::optional<vdna_msg_localisation_t> answer =
         status == VDNA_OK ? use(transport, frame, seen, watch) : refuse(frame, error.text);
-    unanswered_ += frame.skipped;
     if (!answer) {
         unanswered_++;
         return;
     }
-    vdna_msg_localisation_t &message = *answer;
-    settle(message, status);
-    message.skipped = static_cast<int64_t>(std::exchange(unanswered_, 0));
-    // A log waits for us, and is to give the same answers again.
-    message.latency_us = is_replay_ ? 0 : program::monotonic_us() - frame.received_us;
-    publish(transport, config_.localisation_channel, vdna_message_localisation, &message);
-    if (message.validity == VDNA_MSG_LOCALISATION_T_REFUSED)
-        return;
+    if (!is_used(*answer))
+        return send(transport, frame, *answer);
+    note_used(*answer);
+    mark_degraded(*answer);
+    send(transport, frame, *answer);
 
     stages_.queue.add(begin_us - frame.received_us);
     stages_.decode.add(seen.decode_us);
@@ -244,6 +281,15 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     stages_.inference.add(seen.inference_us);
     stages_.publish.add(watch.lap_us());
     stages_.total.add(program::monotonic_us() - frame.received_us);
+}
+
+// A log waits for us, and is to give the same answers again.
+void Daemon::send(vdna_transport *transport, const vdna_transport_frame &frame,
+                  vdna_msg_localisation_t answer)
+{
+    answer.skipped = static_cast<int64_t>(std::exchange(unanswered_, 0));
+    answer.latency_us = is_replay_ ? 0 : program::monotonic_us() - frame.received_us;
+    publish(transport, config_.localisation_channel, vdna_message_localisation, &answer);
 }
 
 std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
@@ -261,6 +307,9 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
     const vdna_status status = vdna_select_feed(session_->select(), &live, &found);
     if (status == VDNA_ERR_LATE)
         return {};
+    if (const char *fault = session_->fault(); fault[0] != '\0')
+        return status == VDNA_OK ? no_position(frame.utime, VDNA_MSG_LOCALISATION_T_FAULT, fault)
+                                 : refuse(frame, fault, VDNA_MSG_LOCALISATION_T_FAULT);
     if (status != VDNA_OK)
         return refuse(frame, vdna_status_text(status));
     (found.newly_ranked ? stages_.rank : stages_.select).add(watch.lap_us());
@@ -292,27 +341,31 @@ const char *Daemon::fault_of(const vdna_backbone_frame &seen)
     return verdict == VDNA_HEALTH_OK ? "" : sentence_of(verdict);
 }
 
-void Daemon::settle(vdna_msg_localisation_t &answer, vdna_status network)
+void Daemon::note_used(const vdna_msg_localisation_t &answer)
 {
-    network_failed_ = network != VDNA_OK && network != VDNA_ERR_FORMAT &&
-                      network != VDNA_ERR_UNSUPPORTED; // those two blame the picture
-    if (answer.validity == VDNA_MSG_LOCALISATION_T_REFUSED)
-        return;
     used_us_ = program::monotonic_us();
     validity_ = answer.validity;
+}
+
+void Daemon::mark_degraded(vdna_msg_localisation_t &answer) const
+{
     if (degraded_[0] == '\0' || answer.validity == VDNA_MSG_LOCALISATION_T_WARMING_UP)
         return;
     answer.validity = VDNA_MSG_LOCALISATION_T_DEGRADED;
-    answer.reason = degraded_.data();
+    answer.reason = const_cast<char *>(degraded_.data()); // publishing changes nothing
 }
 
 // Until a frame has been used there is no age: Waiting says why none comes.
-State Daemon::state() const
+State Daemon::state()
 {
     const int64_t age_us = used_us_ == 0 ? -1 : program::monotonic_us() - used_us_;
     const double stale_us = config_.stale_seconds > 0
                                 ? 1e6 * config_.stale_seconds
                                 : 1e6 + 2.0 * static_cast<double>(stages_.total.percentile_us(50));
+    if (standby_.stands_by())
+        return {VDNA_MSG_STATUS_T_STANDBY, standby_.reason(), age_us};
+    if (session_->fault()[0] != '\0')
+        return {VDNA_MSG_STATUS_T_FAULT, session_->fault(), age_us};
     if (network_failed_)
         return {VDNA_MSG_STATUS_T_DEGRADED, refusal_.data(), age_us};
     if (degraded_[0] != '\0')
@@ -335,13 +388,14 @@ vdna_msg_localisation_t Daemon::place_of(const vdna_knn_match &match, int64_t ut
     return position_in(experiences[where->candidate], where->answer, config_.min_confidence, utime);
 }
 
-vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const char *reason)
+vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const char *reason,
+                                       int32_t validity)
 {
     refused_++;
     std::snprintf(refusal_.data(), refusal_.size(), "%s", reason);
     problems_.note(program::monotonic_us(), "frame of utime %" PRId64 " refused: %s", frame.utime,
                    reason);
-    return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_REFUSED, refusal_.data());
+    return no_position(frame.utime, validity, refusal_.data());
 }
 
 void Daemon::announce_choice(vdna_transport *transport)
@@ -366,22 +420,28 @@ const char *Daemon::problem() const
 {
     if (verdict_.text[0])
         return verdict_.text.data();
-    return map_is_old_ ? reload_problems_.last() : problems_.last();
+    if (map_is_old_)
+        return reload_problems_.last();
+    return session_->left_out() > 0 ? session_->left_out_text().c_str() : problems_.last();
 }
 
 void Daemon::publish_status(vdna_transport *transport)
 {
     const StatusFacts now{process_id_,
+                          standby_.serving_utime(),
                           state(),
                           *session_->select(),
                           *vdna_transport_count(transport),
                           session_->experiences(),
+                          session_->left_out(),
                           session_->map_hash(),
+                          map_is_changed_,
                           backbone_.info(),
                           stages_,
                           session_->counts(),
                           refused_,
                           unusable_,
+                          stood_by_,
                           window_frames_max_,
                           resident(),
                           problem()};

@@ -23,6 +23,7 @@
 #include "selectord/resident_memory.hpp"
 #include "selectord/service_manager.hpp"
 #include "selectord/stages.hpp"
+#include "selectord/standby.hpp"
 #include "selectord/waiting.hpp"
 
 namespace vdna::selectord
@@ -33,7 +34,7 @@ class Daemon
   public:
     // Allocates all memory of the loop; borrows all but the map. `process` is that of the backbone,
     // nullptr if it has none of its own. Throws Error.
-    Daemon(const Config &config, std::unique_ptr<const Map> map, const Backbone &backbone,
+    Daemon(const Config &config, OpenedMap map, const Backbone &backbone,
            BackboneProcess *process = nullptr);
 
     // Size of the largest message that run() publishes, in bytes, whatever a reload brings.
@@ -60,11 +61,13 @@ class Daemon
 
   private:
     void beat(vdna_transport *transport, const ServiceManager &manager);
+    void judge_peers(vdna_transport *transport);
     bool network_makes_progress();
     void overhear(vdna_transport *transport);
     void end_log(vdna_transport *transport) const;
     Facts facts(vdna_transport *transport) const;
     void reset();
+    void forget();
     void go_on_reloading(const ServiceManager &manager);
     void answer(vdna_transport *transport, const vdna_transport_frame &frame,
                 const std::atomic<bool> &stop);
@@ -74,11 +77,14 @@ class Daemon
                                                const vdna_backbone_frame &seen, Stopwatch &watch);
     // Judge the picture. Returns why it is left out; "" if it is not.
     const char *fault_of(const vdna_backbone_frame &seen);
-    // Note how an answer went, and mark it if the camera is degraded.
-    void settle(vdna_msg_localisation_t &answer, vdna_status network);
-    State state() const;
+    void note_used(const vdna_msg_localisation_t &answer);
+    void mark_degraded(vdna_msg_localisation_t &answer) const;
+    void send(vdna_transport *transport, const vdna_transport_frame &frame,
+              vdna_msg_localisation_t answer);
+    State state();
     vdna_msg_localisation_t place_of(const vdna_knn_match &match, int64_t utime) const;
-    vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason);
+    vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason,
+                                   int32_t validity = VDNA_MSG_LOCALISATION_T_REFUSED);
     void announce_choice(vdna_transport *transport);
     Resident resident() const;
     const char *problem() const;
@@ -95,7 +101,8 @@ class Daemon
     std::unique_ptr<MapSession> session_;
     const uint32_t message_size_max_;
     std::optional<MapReload> reload_;
-    bool map_is_old_ = false; // the newest reload failed
+    bool map_is_old_ = false;     // the newest reload failed
+    bool map_is_changed_ = false; // the directory, at the last beat
     ResidentMemory memory_;
     LimitedLog problems_, resets_, choices_, reloads_, reload_problems_;
     Waiting waiting_;
@@ -111,6 +118,8 @@ class Daemon
     int64_t used_us_ = 0;                   // when the newest frame was used; 0 = none yet
     uint64_t refused_ = 0, unusable_ = 0;
     std::array<char, sizeof(vdna_error::text)> refusal_{}; // why the newest of these was refused
+    Standby standby_;
+    uint64_t stood_by_ = 0; // frames
     uint64_t localised_ = 0;
     uint64_t unanswered_ = 0; // frames skipped or late since the last answer
     uint32_t window_frames_max_ = 0;

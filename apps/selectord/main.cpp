@@ -23,6 +23,7 @@
 #include "selectord/backbone_process.hpp"
 #include "selectord/command_line.hpp"
 #include "selectord/daemon.hpp"
+#include "selectord/lost_pages.hpp"
 #include "selectord/memory_statement.hpp"
 #include "selectord/output.hpp"
 #include "selectord/processor.hpp"
@@ -57,6 +58,8 @@ vdna_transport_config transport_config(const Config &config, const Daemon &daemo
     transport.max_message_bytes = daemon.message_size_max();
     transport.camera_channel = config.camera_channel.c_str();
     transport.command_channel = config.command_channel.c_str();
+    if (config.standby && !vdna_transport_is_log(config.url.c_str()))
+        transport.peer_channel = config.status_channel.c_str();
     transport.sources = sources.data();
     transport.source_count = sources.size();
     transport.require_protection = config.require_protection;
@@ -128,7 +131,9 @@ program::ExitCode run(int argc, char **argv)
     StartUp start_up;
     const ResidentMemory resident;
     start_up.program = resident.read();
-    std::unique_ptr<const Map> map = open_map(config);
+    if (!config.copy_map)
+        survive_lost_pages();
+    OpenedMap opened = open_map(config);
     start_up.map = resident.read();
 
     // The network and the loop's memory: the large allocations end here.
@@ -139,13 +144,13 @@ program::ExitCode run(int argc, char **argv)
     const Backbone backbone = process ? process->open()
                                       : Backbone(config.manifest, config.threads, config.runtime,
                                                  config.max_image_pixels);
-    map->require_backbone(backbone.info());
+    opened.map->require_backbone(backbone.info());
     start_up.backbone = resident.read();
     if (process) {
         start_up.process = process->resident();
         start_up.mailbox = process->shared_bytes();
     }
-    Daemon daemon(config, std::move(map), backbone, process ? &*process : nullptr);
+    Daemon daemon(config, std::move(opened), backbone, process ? &*process : nullptr);
     const std::vector<std::string> addresses = split(config.sources);
     std::vector<const char *> sources;
     for (const std::string &address : addresses)

@@ -53,9 +53,9 @@ std::unique_ptr<MapSession> MapReload::take()
 
 std::unique_ptr<MapSession> MapReload::open(uint64_t serving_bytes) const
 {
-    std::unique_ptr<const Map> map = open_map(config_);
-    map->require_backbone(backbone_);
-    auto session = std::make_unique<MapSession>(config_, std::move(map), backbone_);
+    OpenedMap opened = open_map(config_);
+    opened.map->require_backbone(backbone_);
+    auto session = std::make_unique<MapSession>(config_, std::move(opened), backbone_);
 
     const uint32_t message = session->ranking().encoded_size();
     if (message > room_.message_bytes)

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <utility>
 
+#include <vdna/cpp/error.hpp>
+
 namespace vdna::selectord
 {
 
@@ -36,17 +38,54 @@ Localising localising_of(const std::vector<std::unique_ptr<ExperienceLocaliser>>
     return localising;
 }
 
+// "DIRECTORY/summer.vdna: ...": how many serve without it.
+std::string left_out_text(const Map &map, const std::string &reason)
+{
+    const size_t serving = map.experiences().size();
+    return reason + "; left out, " + std::to_string(serving) + " of " +
+           std::to_string(serving + map.left_out().size()) + " experiences serve";
+}
+
+// The first reason; "" if all serve.
+std::string left_out_text(const Map &map)
+{
+    return map.left_out().empty() ? "" : left_out_text(map, map.left_out().front());
+}
+
+OpenedMap open_once(const Config &config)
+{
+    MapFiles files(config.map_directory, !config.copy_map);
+    return {std::make_unique<const Map>(config.map_directory,
+                                        MapOpening{config.copy_map, config.leave_out_damaged}),
+            std::move(files)};
+}
+
+// The path that begins a reason for which a file is left out.
+std::string path_of(const std::string &reason)
+{
+    return reason.substr(0, reason.find(VDNA_MAP_EXTENSION ": ") + sizeof VDNA_MAP_EXTENSION - 1);
+}
+
 } // namespace
 
-std::unique_ptr<const Map> open_map(const Config &config)
+// Until nothing changes between the listing and its end: then what is watched is what was opened.
+OpenedMap open_map(const Config &config)
 {
-    auto map = std::make_unique<const Map>(config.map_directory,
-                                           MapOpening{config.copy_map, config.leave_out_damaged});
-    for (const std::string &reason : map->left_out())
-        std::fprintf(stderr, "vdna_selectord: %s; left out, %zu of %zu experiences serve\n",
-                     reason.c_str(), map->experiences().size(),
-                     map->experiences().size() + map->left_out().size());
-    return map;
+    constexpr int attempts = 10;
+    for (int attempt = 0; attempt < attempts; attempt++) {
+        OpenedMap opened = open_once(config);
+        for (const std::string &reason : opened.map->left_out())
+            opened.files.forget(path_of(reason));
+        if (opened.files.is_directory_changed() || !opened.files.changed_in_place().empty())
+            continue;
+        for (const std::string &reason : opened.map->left_out())
+            std::fprintf(stderr, "vdna_selectord: %s\n",
+                         left_out_text(*opened.map, reason).c_str());
+        return opened;
+    }
+    throw Error(config.map_directory + ": changed each of the " + std::to_string(attempts) +
+                " times that it was opened; wait until whatever changes it has ended, then try "
+                "again");
 }
 
 bool stays_in_memory(const Config &config)
@@ -54,15 +93,25 @@ bool stays_in_memory(const Config &config)
     return config.copy_map || config.lock_memory;
 }
 
-MapSession::MapSession(const Config &config, std::unique_ptr<const Map> map,
-                       const vdna_backbone_info &backbone)
-    : map_(std::move(map)), localisers_(localisers_in(*map_, config)),
+MapSession::MapSession(const Config &config, OpenedMap opened, const vdna_backbone_info &backbone)
+    : map_(std::move(opened.map)), files_(std::move(opened.files)),
+      left_out_text_(vdna::selectord::left_out_text(*map_)),
+      localisers_(localisers_in(*map_, config)),
       selector_(map_->candidates(), experiences().front().identity.dim, warmup_of(config),
                 config.map_directory, {static_cast<int64_t>(config.late_seconds * 1e6)},
                 localising_of(localisers_, config.top)),
       projected_(experiences().front().identity.dim), map_hash_(map_->hash()),
       ranking_(*map_, backbone, map_hash_)
 {
+}
+
+const char *MapSession::fault()
+{
+    if (fault_.empty())
+        if (const std::string path = files_.changed_in_place(); !path.empty())
+            fault_ = path + ": changed in place while the map was in use; open it again by SIGHUP "
+                            "(`systemctl reload vdna_selectord`), and replace files by renaming";
+    return fault_.c_str();
 }
 
 FrameCounts MapSession::counts() const

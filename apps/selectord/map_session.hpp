@@ -11,13 +11,20 @@
 #include <vdna/cpp/selector.hpp>
 
 #include "selectord/config.hpp"
+#include "selectord/map_files.hpp"
 #include "selectord/reports.hpp"
 
 namespace vdna::selectord
 {
 
+// A map and the files that it was opened from.
+struct OpenedMap {
+    std::unique_ptr<const Map> map;
+    MapFiles files;
+};
+
 // Open the map as the settings say, and print which experiences are left out. Throws Error.
-std::unique_ptr<const Map> open_map(const Config &config);
+OpenedMap open_map(const Config &config);
 
 // Whether the system cannot take back the memory of the map's files.
 bool stays_in_memory(const Config &config);
@@ -26,8 +33,7 @@ class MapSession
 {
   public:
     // Borrows `backbone`, which made the map. Throws Error.
-    MapSession(const Config &config, std::unique_ptr<const Map> map,
-               const vdna_backbone_info &backbone);
+    MapSession(const Config &config, OpenedMap opened, const vdna_backbone_info &backbone);
     MapSession(const MapSession &) = delete;
     MapSession &operator=(const MapSession &) = delete;
 
@@ -36,6 +42,16 @@ class MapSession
     const vdna_select *select() const { return selector_.get(); }
     RankingReport &ranking() { return ranking_; }
     const std::string &map_hash() const { return map_hash_; }
+
+    // Experiences that could not be opened, and a sentence that names the first; "" if all could.
+    size_t left_out() const { return map_->left_out().size(); }
+    const std::string &left_out_text() const { return left_out_text_; }
+
+    // Why nothing that is read from the map holds any more: a mapped file was changed in place. ""
+    // if none was; asks the system each time until it is so, and then stays.
+    const char *fault();
+    // Whether the map's directory is no longer what was opened; asks the system.
+    bool is_directory_changed() { return files_.is_directory_changed(); }
 
     // As Map::embedding_of(); valid until the next call.
     const float *embedding_of(const vdna_backbone_frame &seen)
@@ -60,6 +76,9 @@ class MapSession
 
   private:
     const std::unique_ptr<const Map> map_;
+    MapFiles files_;
+    const std::string left_out_text_;
+    std::string fault_;
     const std::vector<std::unique_ptr<ExperienceLocaliser>> localisers_; // one for each experience
                                                                          // if the filter is on
     Selector selector_;                                                  // borrows them

@@ -1,11 +1,15 @@
 #include "selectord/reports.hpp"
 
 #include <algorithm>
+#include <array>
+#include <climits>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <limits>
 #include <random>
+
+#include <unistd.h>
 
 #include <vdna/geodesy.h>
 #include <vdna/version.h>
@@ -30,7 +34,10 @@ ProcessId identify_process()
 {
     std::random_device random;
     const uint64_t drawn = uint64_t{random()} << 32 | random();
-    ProcessId process{static_cast<int64_t>(drawn), ""};
+    ProcessId process{static_cast<int64_t>(drawn), "", ""};
+    std::array<char, HOST_NAME_MAX + 1> host{};
+    if (gethostname(host.data(), host.size()) == 0)
+        process.host = host.data();
     std::ifstream("/proc/sys/kernel/random/boot_id") >> process.boot;
     return process;
 }
@@ -38,24 +45,31 @@ ProcessId identify_process()
 RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone,
                              const std::string &map_hash)
     : experiences_(map.experiences()), names_(experiences_.size()), distances_(experiences_.size()),
-      tied_(experiences_.size()), recalls_(experiences_.size(), not_known)
+      tied_(experiences_.size()), unknown_(experiences_.size(), not_known)
 {
     message_.validity = VDNA_MSG_RANKING_T_VALID;
     message_.backbone = borrow(backbone.identity.backbone);
     message_.comparable = borrow(experiences_.front().comparable);
     message_.map_hash = borrow(map_hash.c_str());
+    message_.ranked_by = borrow("emd");
+    message_.verdict = message_.previous = borrow("");
+    message_.no_prediction = borrow("");
+    message_.unlike = message_.skill = not_known;
     message_.count = static_cast<int32_t>(experiences_.size());
     message_.experience = names_.data();
     message_.distance_bins = distances_.data();
     message_.tied = tied_.data();
-    message_.predicted_recall = recalls_.data();
+    message_.predicted_recall = unknown_.data();
+    message_.predicted_low = message_.predicted_high = unknown_.data();
+    message_.transfer = unknown_.data();
     for (size_t i = 0; i < names_.size(); i++)
         names_[i] = borrow(experiences_[i].name);
 }
 
 uint32_t RankingReport::encoded_size() const
 {
-    return static_cast<uint32_t>(vdna_msg_ranking_t_encoded_size(&message_));
+    constexpr uint32_t texts_max = 1024; // of verdict, no_prediction and previous
+    return static_cast<uint32_t>(vdna_msg_ranking_t_encoded_size(&message_)) + texts_max;
 }
 
 const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select)
@@ -84,7 +98,7 @@ vdna_msg_localisation_t no_position(int64_t utime, int32_t validity, const char 
     message.position_frame = borrow("");
     message.frame = message.nearest_frame = -1;
     message.confidence = message.distance = not_known;
-    message.predicted_recall = not_known;
+    message.predicted_recall = message.predicted_low = message.predicted_high = not_known;
     return message;
 }
 
@@ -172,7 +186,7 @@ void fill_counters(const StatusFacts &facts, vdna_msg_status_t &message)
     message.processed = static_cast<int64_t>(facts.counts.accepted);
     message.refused = static_cast<int64_t>(facts.refused);
     message.unusable = static_cast<int64_t>(facts.unusable);
-    message.skipped = static_cast<int64_t>(counters.skipped);
+    message.skipped = static_cast<int64_t>(counters.skipped + facts.stood_by);
     message.oversized = static_cast<int64_t>(counters.oversized);
     message.late = static_cast<int64_t>(facts.counts.late);
     message.rejected = static_cast<int64_t>(counters.rejected);
@@ -219,15 +233,21 @@ vdna_msg_status_t status_of(const StatusFacts &facts, int64_t utime)
     vdna_msg_status_t message{};
     message.utime = utime;
     message.state = facts.state.state;
+    message.instance = facts.process.instance;
+    message.serving_utime = facts.serving_utime;
+    message.host = borrow(facts.process.host.c_str());
+    message.boot_id = borrow(facts.process.boot.c_str());
     message.reason = borrow(facts.state.reason);
     message.frame_age_us = facts.state.frame_age_us;
     message.progress = vdna_select_progress(&facts.select);
     message.experience =
         borrow(selected ? facts.experiences[vdna_select_chosen(&facts.select)].name : "");
+    message.predicted_recall = message.predicted_low = message.predicted_high = not_known;
+    message.skill = not_known;
     message.experiences = static_cast<int32_t>(facts.experiences.size());
+    message.left_out = static_cast<int32_t>(facts.left_out);
     message.map_hash = borrow(facts.map_hash.c_str());
-    message.instance = facts.process.instance;
-    message.boot_id = borrow(facts.process.boot.c_str());
+    message.map_changed = facts.map_changed;
     message.backbone = borrow(facts.backbone.identity.backbone);
     message.version = borrow(vdna_version());
     fill_counters(facts, message);

@@ -21,10 +21,11 @@ namespace vdna::selectord
 // Which process this is.
 struct ProcessId {
     int64_t instance; // random
-    std::string boot; // of the machine; "" if the system does not tell
+    std::string host; // name of the machine; "" if the system does not tell
+    std::string boot; // of the machine's start; "" if the system does not tell
 };
 
-// Draws the instance, and asks the system for the boot.
+// Draws the instance, and asks the system for the rest.
 ProcessId identify_process();
 
 // The ranking message with room for all experiences of a map.
@@ -34,7 +35,7 @@ class RankingReport
     // Borrows from all.
     RankingReport(const Map &map, const vdna_backbone_info &backbone, const std::string &map_hash);
 
-    // Bytes of the message on the wire, for any order of the experiences.
+    // Most bytes of the message on the wire.
     uint32_t encoded_size() const;
 
     // Valid until the next call; `select` is in state SELECTED.
@@ -45,7 +46,7 @@ class RankingReport
     std::vector<char *> names_;
     std::vector<double> distances_;
     std::vector<int8_t> tied_;
-    std::vector<double> recalls_;
+    std::vector<double> unknown_; // NaN for each experience
     vdna_msg_ranking_t message_{};
 };
 
@@ -77,22 +78,25 @@ struct FrameCounts {
 // The contents of a status message.
 struct StatusFacts {
     const ProcessId &process;
+    int64_t serving_utime; // 0 = standing by
     State state;
     const vdna_select &select;
     const vdna_transport_counters &transport;
     const std::vector<vdna_experience> &experiences;
+    size_t left_out; // experiences
     const std::string &map_hash;
+    bool map_changed;
     const vdna_backbone_info &backbone;
     const Stages &stages;
     FrameCounts counts;
-    uint64_t refused, unusable;
+    uint64_t refused, unusable, stood_by; // frames
     uint32_t window_frames_max;
     Resident resident;
     const char *message;
 };
 
 // Upper bound for the wire size of a status or localisation, bytes.
-constexpr uint32_t other_messages_size_max = 2048;
+constexpr uint32_t other_messages_size_max = 4096;
 
 // Borrows its texts from `facts`; `utime` is in microseconds since 1970.
 vdna_msg_status_t status_of(const StatusFacts &facts, int64_t utime);

@@ -34,25 +34,38 @@ namespace
 const char *validity_of(const vdna_msg_ranking_t &message)
 {
     return message.validity == VDNA_MSG_RANKING_T_VALID       ? "VALID"
-           : message.validity == VDNA_MSG_RANKING_T_ABSTAINED ? "ABSTAINED"
+           : message.validity == VDNA_MSG_RANKING_T_NONE_FITS ? "NONE_FITS"
                                                               : "UNKNOWN";
 }
 
 const char *validity_of(const vdna_msg_localisation_t &message)
 {
-    return message.validity == VDNA_MSG_LOCALISATION_T_VALID        ? "VALID"
-           : message.validity == VDNA_MSG_LOCALISATION_T_WARMING_UP ? "WARMING_UP"
-           : message.validity == VDNA_MSG_LOCALISATION_T_REFUSED    ? "REFUSED"
-           : message.validity == VDNA_MSG_LOCALISATION_T_UNSURE     ? "UNSURE"
-           : message.validity == VDNA_MSG_LOCALISATION_T_DEGRADED   ? "DEGRADED"
-                                                                    : "UNKNOWN";
+    switch (message.validity) {
+    case VDNA_MSG_LOCALISATION_T_VALID:
+        return "VALID";
+    case VDNA_MSG_LOCALISATION_T_WARMING_UP:
+        return "WARMING_UP";
+    case VDNA_MSG_LOCALISATION_T_REFUSED:
+        return "REFUSED";
+    case VDNA_MSG_LOCALISATION_T_UNSURE:
+        return "UNSURE";
+    case VDNA_MSG_LOCALISATION_T_DEGRADED:
+        return "DEGRADED";
+    case VDNA_MSG_LOCALISATION_T_NONE_FITS:
+        return "NONE_FITS";
+    case VDNA_MSG_LOCALISATION_T_FAULT:
+        return "FAULT";
+    default:
+        return "UNKNOWN";
+    }
 }
 
 bool has_place(const vdna_msg_localisation_t &message)
 {
     return message.validity == VDNA_MSG_LOCALISATION_T_VALID ||
            message.validity == VDNA_MSG_LOCALISATION_T_UNSURE ||
-           message.validity == VDNA_MSG_LOCALISATION_T_DEGRADED;
+           message.validity == VDNA_MSG_LOCALISATION_T_DEGRADED ||
+           message.validity == VDNA_MSG_LOCALISATION_T_NONE_FITS;
 }
 
 const char *state_of(const vdna_msg_status_t &message)
@@ -68,6 +81,12 @@ const char *state_of(const vdna_msg_status_t &message)
         return "STALE";
     case VDNA_MSG_STATUS_T_DEGRADED:
         return "DEGRADED";
+    case VDNA_MSG_STATUS_T_NONE_FITS:
+        return "NONE_FITS";
+    case VDNA_MSG_STATUS_T_FAULT:
+        return "FAULT";
+    case VDNA_MSG_STATUS_T_STANDBY:
+        return "STANDBY";
     default:
         return "UNKNOWN";
     }
@@ -113,16 +132,30 @@ std::string position_text(const vdna_msg_localisation_t &message)
     return format("%.2f %.2f %.2f m in %s", at[0], at[1], at[2], message.position_frame);
 }
 
-// A table, one line per experience.
+// ", predicted recall 0.75 (0.62 to 0.84)"; "" if it is not predicted.
+std::string prediction_text(double recall, double low, double high)
+{
+    return std::isnan(recall) ? ""
+                              : format(", predicted recall %.2f (%.2f to %.2f)", recall, low, high);
+}
+
+// Two or three lines about the ranking as a whole, then one line per experience.
 std::string text_of(const vdna_msg_ranking_t &message)
 {
     std::string text =
-        format("ranking      %s after %d frames, margin %.3f bins, backbone %s\n",
-               validity_of(message), message.window_frames, message.margin_bins, message.backbone);
+        format("ranking      %s%s%s after %d frames, by %s, margin %.3f bins, "
+               "backbone %s",
+               validity_of(message), message.verdict[0] ? " " : "", message.verdict,
+               message.window_frames, message.ranked_by, message.margin_bins, message.backbone);
+    if (message.previous[0])
+        text += format(", in place of %s", message.previous);
+    if (message.no_prediction[0])
+        text += format("\n             recall is not predicted: %s", message.no_prediction);
     for (int32_t i = 0; i < message.count; i++)
-        text += format("%11d  %-32s %9.3f bins%s\n", i + 1, message.experience[i],
-                       message.distance_bins[i], message.tied[i] ? "  tied" : "");
-    text.pop_back();
+        text += format("\n%11d  %-32s %9.3f bins%s", i + 1, message.experience[i],
+                       message.distance_bins[i], message.tied[i] ? "  tied" : "") +
+                prediction_text(message.predicted_recall[i], message.predicted_low[i],
+                                message.predicted_high[i]);
     return text;
 }
 
@@ -160,6 +193,13 @@ std::string text_of(const vdna_msg_status_t &message)
         number(message.processed), number(message.skipped), number(message.refused),
         number(message.oversized), number(message.late), number(message.rejected),
         mb(message.resident_bytes), mb(message.resident_bytes_max));
+    if (message.left_out > 0)
+        text += format(", %d experience%s left out", message.left_out,
+                       message.left_out == 1 ? "" : "s");
+    if (message.map_changed)
+        text += ", the map's directory has changed";
+    text +=
+        prediction_text(message.predicted_recall, message.predicted_low, message.predicted_high);
     if (message.processed > 0) {
         text += "\n             ms, median/99th percentile/longest:";
         for (const auto &[name, stage] : stages_of(message))
@@ -178,7 +218,10 @@ nlohmann::ordered_json json_of(const vdna_msg_ranking_t &message)
         entries.push_back({{"experience", message.experience[i]},
                            {"distance_bins", message.distance_bins[i]},
                            {"tied", message.tied[i] != 0},
-                           {"predicted_recall", message.predicted_recall[i]}});
+                           {"predicted_recall", message.predicted_recall[i]},
+                           {"predicted_low", message.predicted_low[i]},
+                           {"predicted_high", message.predicted_high[i]},
+                           {"transfer", message.transfer[i]}});
     return {{"type", "ranking"},
             {"utime", message.utime},
             {"window_begin_utime", message.window_begin_utime},
@@ -188,6 +231,13 @@ nlohmann::ordered_json json_of(const vdna_msg_ranking_t &message)
             {"comparable", message.comparable},
             {"map_hash", message.map_hash},
             {"margin_bins", message.margin_bins},
+            {"ranked_by", message.ranked_by},
+            {"verdict", message.verdict},
+            {"unlike", message.unlike},
+            {"no_prediction", message.no_prediction},
+            {"skill", message.skill},
+            {"settled_frames", message.settled_frames},
+            {"previous", message.previous},
             {"ranking", entries}};
 }
 
@@ -208,6 +258,8 @@ nlohmann::ordered_json json_of(const vdna_msg_localisation_t &message)
                                 {"nearest_frame", nullptr},
                                 {"distance", nullptr},
                                 {"predicted_recall", message.predicted_recall},
+                                {"predicted_low", message.predicted_low},
+                                {"predicted_high", message.predicted_high},
                                 {"latency_us", message.latency_us},
                                 {"skipped", message.skipped}};
     if (!has_place(message))
@@ -232,14 +284,24 @@ nlohmann::ordered_json json_of(const vdna_msg_status_t &message)
     nlohmann::ordered_json json{{"type", "status"},
                                 {"utime", message.utime},
                                 {"state", state_of(message)},
+                                {"instance", message.instance},
+                                {"serving_utime", message.serving_utime},
+                                {"host", message.host},
+                                {"boot_id", message.boot_id},
                                 {"reason", message.reason},
                                 {"frame_age_us", message.frame_age_us},
                                 {"progress", message.progress},
                                 {"experience", message.experience},
+                                {"predicted_recall", message.predicted_recall},
+                                {"predicted_low", message.predicted_low},
+                                {"predicted_high", message.predicted_high},
+                                {"skill", message.skill},
+                                {"settled_frames", message.settled_frames},
+                                {"switches", message.switches},
                                 {"experiences", message.experiences},
+                                {"left_out", message.left_out},
                                 {"map_hash", message.map_hash},
-                                {"instance", message.instance},
-                                {"boot_id", message.boot_id},
+                                {"map_changed", message.map_changed != 0},
                                 {"backbone", message.backbone},
                                 {"version", message.version},
                                 {"received", message.received},

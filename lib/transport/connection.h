@@ -22,7 +22,7 @@ typedef struct vdna_transport_lane {
 struct vdna_transport {
     vdna_network network;
     vdna_multicast *receiver; /* NULL = messages come through LCM */
-    channel_name camera, command;
+    channel_name camera, command, peer;
     vdna_transport_counters counters;
     bool require_protection;
     vdna_streams streams;
@@ -44,6 +44,10 @@ struct vdna_transport {
     /* The message being published, encoded. */
     uint8_t *message;
     size_t message_size; /* bytes allocated */
+
+    /* Statuses of daemons, see peers.c. */
+    vdna_transport_peer peers[VDNA_TRANSPORT_PEERS_MAX];
+    uint32_t peer_count;
 
     /* Other channels, see overhear.c. */
     bool is_overhearing;
@@ -68,8 +72,11 @@ typedef struct vdna_transport_incoming {
  * published without an allocation. */
 vdna_status vdna_transport_reserve(vdna_transport *transport, size_t size);
 
-/* Subscribe to the camera and command channels that are used. */
+/* Subscribe to the camera, command and peer channels that are used. */
 vdna_status vdna_transport_subscribe(vdna_transport *transport, vdna_error *error);
+
+/* Take a message of the peer channel. Returns whether it is a status. */
+bool vdna_transport_take_peer(vdna_transport *transport, const vdna_transport_incoming *message);
 
 /* Note the beginning of a message on another channel, if that is wanted. */
 void vdna_transport_note(vdna_transport *transport, const char *channel,

@@ -56,6 +56,7 @@ static void on_any(const lcm_recv_buf_t *received, const char *channel, void *co
 {
     vdna_transport *transport = context;
     if (strcmp(channel, transport->camera) == 0 || strcmp(channel, transport->command) == 0 ||
+        strcmp(channel, transport->peer) == 0 ||
         vdna_transport_check_channel(channel, NULL) != VDNA_OK)
         return;
     const vdna_transport_incoming message = {

@@ -46,7 +46,7 @@ typedef struct stream {
 } stream;
 
 struct vdna_reassembly {
-    vdna_wanted_channel channels[VDNA_REASSEMBLY_CHANNELS];
+    vdna_wanted_channel *channels; /* [channel_count], behind this struct */
     uint32_t channel_count, message_max;
     vdna_reassembly_counters counters;
     slot slots[VDNA_REASSEMBLY_SLOTS];
@@ -89,6 +89,12 @@ static uint32_t largest_of(const vdna_wanted_channel *channels, uint32_t count)
     return largest;
 }
 
+/* Bytes before the slots. */
+static size_t head_bytes(uint32_t count)
+{
+    return round_up(sizeof(vdna_reassembly)) + round_up(count * sizeof(vdna_wanted_channel));
+}
+
 /* see reassembly.h */
 size_t vdna_reassembly_mem_size(const vdna_wanted_channel *channels, uint32_t count)
 {
@@ -96,7 +102,7 @@ size_t vdna_reassembly_mem_size(const vdna_wanted_channel *channels, uint32_t co
     if (largest == 0)
         return 0;
     const size_t slot_bytes = BOUNDS_BYTES + round_up(BITMAP_BYTES) + round_up(largest);
-    return round_up(sizeof(vdna_reassembly)) + VDNA_REASSEMBLY_SLOTS * slot_bytes;
+    return head_bytes(count) + VDNA_REASSEMBLY_SLOTS * slot_bytes;
 }
 
 /* see reassembly.h */
@@ -109,10 +115,11 @@ vdna_reassembly *vdna_reassembly_init(const vdna_wanted_channel *channels, uint3
 
     vdna_reassembly *r = mem;
     memset(r, 0, sizeof *r);
+    r->channels = (vdna_wanted_channel *)(void *)((uint8_t *)mem + round_up(sizeof *r));
     memcpy(r->channels, channels, count * sizeof *channels);
     r->channel_count = count;
     r->message_max = largest_of(channels, count);
-    uint8_t *at = (uint8_t *)mem + round_up(sizeof *r);
+    uint8_t *at = (uint8_t *)mem + head_bytes(count);
     for (slot *s = r->slots; s < r->slots + VDNA_REASSEMBLY_SLOTS; s++) {
         s->bounds = (uint32_t *)(void *)at;
         s->bitmap = at + BOUNDS_BYTES;

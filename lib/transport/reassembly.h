@@ -30,7 +30,7 @@
 /* Senders on the first channel whose sequence numbers are followed. */
 #define VDNA_REASSEMBLY_STREAMS 4u
 /* Most channels that are wanted. */
-#define VDNA_REASSEMBLY_CHANNELS 2u
+#define VDNA_REASSEMBLY_CHANNELS 256u
 
 typedef struct vdna_reassembly vdna_reassembly;
 
@@ -77,7 +77,8 @@ typedef struct vdna_reassembly_counters {
         incomplete; /* messages given up for others, or because the rest did not come in time */
 } vdna_reassembly_counters;
 
-/* Bytes that vdna_reassembly_init() needs. 0 = the channels are invalid: there must be 1..2. */
+/* Bytes that vdna_reassembly_init() needs. 0 = the channels are invalid: there must be
+ * 1..VDNA_REASSEMBLY_CHANNELS. */
 size_t vdna_reassembly_mem_size(const vdna_wanted_channel *channels, uint32_t count);
 
 /* Begin, with no message. The first channel is the one whose losses are counted.

@@ -1,3 +1,4 @@
+#include <string.h>
 #include <time.h>
 #include <vdna_messages.h>
 #include <vdna_msg_command_t.h>
@@ -166,6 +167,14 @@ static void take_command(vdna_transport *transport, const vdna_transport_incomin
     transport->counters.commands++;
 }
 
+/* --- other daemons --- */
+
+static void take_status(vdna_transport *transport, const vdna_transport_incoming *message)
+{
+    if (!vdna_transport_take_peer(transport, message))
+        transport->counters.rejected++;
+}
+
 /* --- through LCM --- */
 
 static vdna_transport_incoming of_lcm(const vdna_transport *transport,
@@ -195,6 +204,14 @@ static void on_command(const lcm_recv_buf_t *received, const char *channel, void
     take_command(context, &message);
 }
 
+/* As on_image(), for the peer channel. */
+static void on_status(const lcm_recv_buf_t *received, const char *channel, void *context)
+{
+    (void)channel;
+    const vdna_transport_incoming message = of_lcm(context, received);
+    take_status(context, &message);
+}
+
 static vdna_status subscribe(vdna_transport *transport, const char *channel,
                              lcm_msg_handler_t handler, vdna_error *error)
 {
@@ -207,10 +224,12 @@ static vdna_status subscribe(vdna_transport *transport, const char *channel,
 /* see connection.h */
 vdna_status vdna_transport_subscribe(vdna_transport *transport, vdna_error *error)
 {
-    const vdna_status status = subscribe(transport, transport->camera, on_image, error);
-    if (status != VDNA_OK)
-        return status;
-    return subscribe(transport, transport->command, on_command, error);
+    vdna_status status = subscribe(transport, transport->camera, on_image, error);
+    if (status == VDNA_OK)
+        status = subscribe(transport, transport->command, on_command, error);
+    if (status == VDNA_OK)
+        status = subscribe(transport, transport->peer, on_status, error);
+    return status;
 }
 
 static bool has_events(const vdna_transport *transport)
@@ -258,8 +277,10 @@ static void take_arrival(vdna_transport *transport, const vdna_arrival *arrival,
     case VDNA_ARRIVAL_MESSAGE:
         if (is_camera(transport, arrival))
             take_image(transport, &message);
-        else
+        else if (strcmp(arrival->channel, transport->command) == 0)
             take_command(transport, &message);
+        else
+            take_status(transport, &message);
         break;
     case VDNA_ARRIVAL_TOO_LARGE:
         if (is_camera(transport, arrival)) {

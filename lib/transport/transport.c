@@ -104,21 +104,31 @@ static vdna_status reserve_message(vdna_transport *transport, size_t size, vdna_
 #define LCM_ITSELF (256u << 10)
 /* Bytes of a camera message besides its picture; generous, because it may carry metadata. */
 #define IMAGE_MESSAGE_OVERHEAD 4096u
-/* Bytes of a command message; LCM sends as much in one datagram. */
+/* Bytes of a command or a status; LCM sends as much in one datagram. */
 #define COMMAND_MESSAGE_MAX 65499u
 
+/* Camera, command, peer. */
+#define CHANNELS 3u
+
+static bool is_used(const char *channel)
+{
+    return channel && *channel;
+}
+
 /* The channels to receive on, the camera's first. Returns their number. */
-static uint32_t channels_of(const char *camera, const char *command, uint32_t max_image_bytes,
-                            vdna_wanted_channel out_channels[VDNA_REASSEMBLY_CHANNELS])
+static uint32_t channels_of(const char *camera, const char *command, const char *peer,
+                            uint32_t max_image_bytes, vdna_wanted_channel out_channels[CHANNELS])
 {
     uint32_t count = 0;
     uint32_t largest = max_image_bytes + IMAGE_MESSAGE_OVERHEAD;
     if (largest > VDNA_MESSAGE_BYTES_MAX)
         largest = VDNA_MESSAGE_BYTES_MAX;
-    if (camera && *camera)
+    if (is_used(camera))
         out_channels[count++] = (vdna_wanted_channel){camera, largest};
-    if (command && *command)
+    if (is_used(command))
         out_channels[count++] = (vdna_wanted_channel){command, COMMAND_MESSAGE_MAX};
+    if (is_used(peer))
+        out_channels[count++] = (vdna_wanted_channel){peer, COMMAND_MESSAGE_MAX};
     return count;
 }
 
@@ -131,9 +141,9 @@ vdna_status vdna_transport_memory_of(const vdna_transport_config *config,
     if (status != VDNA_OK || !out_memory)
         return VDNA_ERR_ARG;
 
-    vdna_wanted_channel channels[VDNA_REASSEMBLY_CHANNELS];
-    const uint32_t count =
-        channels_of(known.camera_channel, known.command_channel, known.max_image_bytes, channels);
+    vdna_wanted_channel channels[CHANNELS];
+    const uint32_t count = channels_of(known.camera_channel, known.command_channel,
+                                       known.peer_channel, known.max_image_bytes, channels);
     const uint64_t receiver = count > 0 ? vdna_multicast_mem_size(channels, count) : 0;
     /* The frame that was handed out is in one of the receiver's slots. */
     const uint64_t image = known.camera_channel ? known.max_image_bytes : 0;
@@ -146,10 +156,10 @@ vdna_status vdna_transport_memory_of(const vdna_transport_config *config,
 static vdna_status receive(vdna_transport *transport, const vdna_transport_config *config,
                            vdna_error *error)
 {
-    vdna_wanted_channel channels[VDNA_REASSEMBLY_CHANNELS];
+    vdna_wanted_channel channels[CHANNELS];
     const char *url = vdna_network_url(config->url);
-    const uint32_t count =
-        channels_of(transport->camera, transport->command, transport->picture_max, channels);
+    const uint32_t count = channels_of(transport->camera, transport->command, transport->peer,
+                                       transport->picture_max, channels);
     if (count > 0 && url_has_scheme(url, "udpm://"))
         return vdna_multicast_open(url, config->sources, (uint32_t)config->source_count, channels,
                                    count, error, &transport->receiver);
@@ -180,6 +190,8 @@ vdna_status vdna_transport_open(const vdna_transport_config *config, vdna_error 
     status = keep_channel(transport->camera, known.camera_channel, error);
     if (status == VDNA_OK)
         status = keep_channel(transport->command, known.command_channel, error);
+    if (status == VDNA_OK)
+        status = keep_channel(transport->peer, known.peer_channel, error);
     if (status == VDNA_OK)
         status = reserve_message(transport, known.max_message_bytes, error);
     if (status == VDNA_OK)

@@ -348,6 +348,6 @@ def joins_multicast(pid):
 
 def localisation_message(utime):
     """A vdna_msg.localisation_t that says WARMING_UP."""
-    fingerprint = 0x86E0D73A7AD1D41B
-    return struct.pack(">QqiI1sI1siqbqbI1s3ddbiddqq", fingerprint, utime, 1, 1, b"\0", 1, b"\0", -1, 0, 0, 0, 0,
-                       1, b"\0", 0, 0, 0, 0, 0, -1, 0, 0, 0, 0)
+    fingerprint = 0x03F018D335A646A4
+    return struct.pack(">QqiI1sI1siqbqbI1s3ddbi4dqq", fingerprint, utime, 1, 1, b"\0", 1, b"\0",
+                       -1, 0, 0, 0, 0, 1, b"\0", 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0)

@@ -37,6 +37,11 @@ def mapped_experiences(pid):
         return len({line.split()[-1] for line in file if ".vdna" in line})
 
 
+def has_place(answer):
+    """One picture for ever is a place, but not a sure one."""
+    return answer["validity"] in ("VALID", "UNSURE")
+
+
 class Reload(WithConfiguration):
 
     work = WORK
@@ -128,6 +133,83 @@ class Reload(WithConfiguration):
             grown = memory_of(daemon.pid)["VmRSS"] - early
         print(f"50 reloads took {grown / MIB:.2f} MiB")
         self.assertLess(grown, MIB)
+
+    def own_map(self):
+        """A copy of the small map that may be changed."""
+        path = os.path.join(WORK, f"{self.id()}.own")
+        shutil.copytree(SMALL, path)
+        self.use(path)
+        return path
+
+    def test_a_mapped_file_changed_in_place_is_a_fault_until_the_map_is_opened_again(self):
+        winter = os.path.join(self.own_map(), "winter.vdna")
+        with Watch() as watch, self.daemon() as daemon:
+            with Frames(lambda _: PICTURE) as frames:
+                watch.wait_for("localisation", has_place)
+                with open(winter, "r+b") as file:
+                    good = file.read()
+                    file.truncate(1000)
+                fault = watch.wait_for("localisation",
+                                       lambda answer: not has_place(answer))
+                self.assertEqual((fault["validity"], fault["frame"]), ("FAULT", None))
+                self.assertIn("winter.vdna: changed in place", fault["reason"])
+                status = watch.wait_for("status", lambda status: status["state"] == "FAULT")
+                self.assertEqual(status["reason"], fault["reason"])
+                self.assertTrue(status["map_changed"])
+                os.kill(daemon.pid, signal.SIGHUP)  # refused: the file is damaged
+                status = watch.wait_for("status", lambda status: status["message"] != "" and
+                                        "the old map serves" in status["message"])
+                self.assertEqual(status["state"], "FAULT")
+                with open(winter, "wb") as file:
+                    file.write(good)
+                os.kill(daemon.pid, signal.SIGHUP)
+                watch.wait_for("localisation", has_place)
+                status = watch.wait_for("status", lambda status: status["state"] == "UNSURE")
+                self.assertFalse(status["map_changed"])
+            status = watch.wait_for("status", lambda status: status["received"] == frames.sent)
+        self.assertEqual(status["received"],
+                         status["processed"] + status["refused"] + status["skipped"])
+        self.assertGreater(status["refused"], 0)
+
+    def test_with_copies_the_map_goes_on_and_the_status_says_that_the_directory_changed(self):
+        path = self.own_map()
+        copies = self.configure("[map]\ncopy = true\n")
+        with Watch() as watch, self.daemon("-c", copies), Frames(lambda _: PICTURE):
+            def map_changes(to):
+                return watch.wait_for("status", lambda status: status["map_changed"] == to)
+            map_changes(False)
+            watch.wait_for("localisation", has_place)
+            with open(os.path.join(path, "note"), "wb"):
+                pass
+            watch.collect(2)
+            self.assertFalse(watch.of("status")[-1]["map_changed"])
+            added = os.path.join(path, "more.vdna")
+            shutil.copy(os.path.join(path, "winter.vdna"), added)
+            map_changes(True)
+            os.unlink(added)
+            map_changes(False)
+            with open(os.path.join(path, "winter.vdna"), "r+b") as file:
+                file.truncate(1000)
+            map_changes(True)
+            watch.collect(2)
+        answers = watch.of("localisation")
+        self.assertTrue(all(map(has_place, answers[3:])))
+
+    def test_an_experience_that_is_left_out_is_in_every_status(self):
+        path = self.own_map()
+        with open(os.path.join(path, "winter.vdna"), "r+b") as file:
+            file.truncate(1000)
+        with Watch() as watch, self.daemon("-c", self.configure("[map]\ncopy = false\n")):
+            for _ in range(3):
+                status = watch.wait_for("status")
+                self.assertEqual((status["experiences"], status["left_out"]), (1, 1))
+                self.assertRegex(status["message"],
+                                 r"winter\.vdna: .*; left out, 1 of 2 experiences serve")
+                self.assertFalse(status["map_changed"])
+            with open(os.path.join(path, "winter.vdna"), "ab") as file:
+                file.write(b"more")  # nothing of it is in use
+            status = watch.wait_for("status", lambda status: status["map_changed"])
+            self.assertEqual(status["state"], "WARMUP")
 
     def test_a_reload_does_not_keep_a_signal_from_ending_it(self):
         for _ in range(5):

@@ -48,6 +48,11 @@ extern "C" {
 /** Most machines that can be allowed to send. */
 #define VDNA_TRANSPORT_SOURCES_MAX 16u
 
+/** Most daemons on the peer channel that a transport remembers. */
+#define VDNA_TRANSPORT_PEERS_MAX 8u
+/** Bytes of the name of a peer's machine that are kept, with the NUL. */
+#define VDNA_TRANSPORT_HOST_SIZE 64u
+
 /** Longest time that a poll may wait, in milliseconds. */
 #define VDNA_TIMEOUT_MS_MAX 1000
 
@@ -72,6 +77,7 @@ typedef struct vdna_transport_config {
     uint64_t source_count; /**< 0..VDNA_TRANSPORT_SOURCES_MAX; 0 = only this machine may send if the
                                 URL's ttl is 0, every machine otherwise (default); 64 bits wide to
                                 leave no padding */
+    const char *peer_channel; /**< vdna_msg.status_t of other daemons in; default NULL */
 } vdna_transport_config;
 
 /** The newest camera frame. `image.data` is borrowed until the next vdna_transport_poll(). */
@@ -143,6 +149,15 @@ typedef struct vdna_transport_overheard {
     int64_t first_us;     /**< when the first of them came, as in vdna_transport_frame */
     int64_t last_us;      /**< when the newest came */
 } vdna_transport_overheard;
+
+/** A daemon, ourselves included, by its newest status on the peer channel. */
+typedef struct vdna_transport_peer {
+    int64_t instance;                    /**< as it drew it */
+    int64_t serving_utime;               /**< microseconds since 1970; 0 = it stands by */
+    int64_t received_us;                 /**< when that status came, as in vdna_transport_frame */
+    char host[VDNA_TRANSPORT_HOST_SIZE]; /**< name of its machine, with '?' for control characters
+                                              and cut if it is long */
+} vdna_transport_peer;
 
 /** Most memory that a transport holds, in bytes. */
 typedef struct vdna_transport_memory {
@@ -225,6 +240,14 @@ VDNA_API vdna_status vdna_transport_overhear(vdna_transport *transport, uint32_t
  *  @return [*out_count], valid until the next call with this transport; NULL for NULL */
 VDNA_API const vdna_transport_overheard *
 vdna_transport_overheard_channels(const vdna_transport *transport, uint32_t *out_count);
+
+/** Get the daemons heard on the peer channel so far. When there is no room for another one, it
+ * takes the place of the one that was silent for longest.
+ *  @param transport  an open one, or NULL
+ *  @param out_count  their number, at most VDNA_TRANSPORT_PEERS_MAX; untouched for NULL
+ *  @return [*out_count], valid until the next call with this transport; NULL for NULL */
+VDNA_API const vdna_transport_peer *vdna_transport_peers(const vdna_transport *transport,
+                                                         uint32_t *out_count);
 
 /** Say whether a URL names a log to be read: such a network has an end, and nothing can be
  *  published on it.

@@ -76,7 +76,7 @@ void process(const char *map_directory, uint64_t frames)
     vdna_backbone_operations operations = *vdna_backbone_plugin();
     operations.run = run_and_go_on;
     const Backbone backbone(operations);
-    Daemon daemon(config, std::make_unique<const Map>(config.map_directory), backbone);
+    Daemon daemon(config, open_map(config), backbone);
 
     vdna_transport_config transport;
     vdna_transport_config_init(&transport);

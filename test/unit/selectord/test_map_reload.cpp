@@ -34,8 +34,7 @@ struct Reloads {
         config.map_directory = folder.path();
         config.budget_mb = budget_mb;
         write_experience(folder, "winter");
-        serving = std::make_unique<MapSession>(
-            config, std::make_unique<const Map>(config.map_directory), backbone.info());
+        serving = std::make_unique<MapSession>(config, open_map(config), backbone.info());
     }
 
     // Wait for the end of a reload.

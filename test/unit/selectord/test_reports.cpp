@@ -75,6 +75,8 @@ void the_nearest_frame_alone_has_no_confidence(void **)
     assert_int_equal(message.nearest_frame, 1);
     assert_int_equal(message.moving, 1);
     assert_true(std::isnan(message.confidence));
+    assert_true(std::isnan(message.predicted_recall));
+    assert_true(std::isnan(message.predicted_low) && std::isnan(message.predicted_high));
 }
 
 void a_place_below_the_least_confidence_is_unsure(void **)

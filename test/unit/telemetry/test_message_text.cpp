@@ -1,11 +1,15 @@
 // Messages as text. Samples are made from the tables of their types.
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <set>
 #include <string>
 #include <utility>
 
 #include <vdna_messages.h>
 #include <vdna_msg_localisation_t.h>
+#include <vdna_msg_ranking_t.h>
+#include <vdna_msg_status_t.h>
 
 #include "cmocka.hpp"
 #include "message_sample.h"
@@ -128,6 +132,109 @@ void an_unsure_answer_says_how_unsure(void **)
     assert_true(json["frame"] == 7 && json["nearest_frame"] == 9 && json["distance"] == 0.5);
 }
 
+// A message of a type, made from its table, to be changed; its texts have room for four bytes.
+template <typename Message>
+class Sample
+{
+  public:
+    explicit Sample(const vdna_message_type &type)
+        : type_(type), message_(static_cast<Message *>(sample_new(&type)))
+    {
+    }
+    ~Sample() { sample_free(&type_, message_); }
+    Sample(const Sample &) = delete;
+    Sample &operator=(const Sample &) = delete;
+    Message *operator->() { return message_; }
+    std::string text() const { return view_of(type_).text(message_); }
+    nlohmann::ordered_json json() const { return view_of(type_).json(message_); }
+
+  private:
+    const vdna_message_type &type_;
+    Message *const message_;
+};
+
+// A ranking of one experience, "text".
+void fill_ranking(Sample<vdna_msg_ranking_t> &ranking)
+{
+    std::strcpy(ranking->ranked_by, "emd");
+    std::strcpy(ranking->verdict, "");
+    std::strcpy(ranking->previous, "");
+    std::strcpy(ranking->no_prediction, "");
+    ranking->validity = VDNA_MSG_RANKING_T_VALID;
+    ranking->window_frames = 42;
+    ranking->margin_bins = 1.75;
+    ranking->count = 1;
+    ranking->distance_bins[0] = 5.5;
+    ranking->tied[0] = 0;
+    ranking->predicted_recall[0] = 0.75;
+    ranking->predicted_low[0] = 0.5;
+    ranking->predicted_high[0] = 1;
+}
+
+void a_ranking_says_by_what_it_ranks_and_what_to_expect(void **)
+{
+    Sample<vdna_msg_ranking_t> ranking(vdna_message_ranking);
+    fill_ranking(ranking);
+    assert_string_equal(ranking.text().c_str(),
+                        "ranking      VALID after 42 frames, by emd, margin 1.750 bins, backbone "
+                        "text\n          1  text                                 5.500 bins, "
+                        "predicted recall 0.75 (0.50 to 1.00)");
+}
+
+void a_ranking_says_what_does_not_fit_and_why_nothing_is_predicted(void **)
+{
+    Sample<vdna_msg_ranking_t> ranking(vdna_message_ranking);
+    fill_ranking(ranking);
+    ranking->validity = VDNA_MSG_RANKING_T_NONE_FITS;
+    std::strcpy(ranking->verdict, "poor");
+    std::strcpy(ranking->previous, "snow");
+    std::strcpy(ranking->no_prediction, "why");
+    ranking->predicted_recall[0] = NAN;
+    assert_string_equal(ranking.text().c_str(),
+                        "ranking      NONE_FITS poor after 42 frames, by emd, margin 1.750 bins, "
+                        "backbone text, in place of snow\n             recall is not predicted: "
+                        "why\n          1  text                                 5.500 bins");
+    assert_true(ranking.json()["ranking"][0]["predicted_low"] == 0.5);
+    ranking->count = SAMPLE_COUNT;
+}
+
+void where_no_experience_fits_there_is_a_place_and_in_a_changed_map_none(void **)
+{
+    Sample<vdna_msg_localisation_t> answer(vdna_message_localisation);
+    answer->frame = 7;
+    answer->validity = VDNA_MSG_LOCALISATION_T_NONE_FITS;
+    assert_int_equal(answer.text().find("localisation NONE_FITS text frame 7"), 0);
+    assert_true(answer.json()["frame"] == 7);
+    answer->validity = VDNA_MSG_LOCALISATION_T_FAULT;
+    assert_int_equal(answer.text().find("localisation FAULT: text"), 0);
+    assert_true(answer.json()["frame"].is_null());
+}
+
+void every_state_has_a_name_of_its_own(void **)
+{
+    std::set<std::string> names;
+    Sample<vdna_msg_status_t> status(vdna_message_status);
+    for (status->state = 0; status->state <= VDNA_MSG_STATUS_T_STANDBY; status->state++)
+        names.insert(status.json()["state"].get<std::string>());
+    assert_int_equal(names.size(), 8);
+    assert_int_equal(names.count("UNKNOWN"), 0);
+}
+
+void a_status_says_what_of_the_map_is_not_in_use(void **)
+{
+    Sample<vdna_msg_status_t> status(vdna_message_status);
+    status->left_out = 1;
+    status->predicted_recall = NAN;
+    const std::string text = status.text();
+    assert_true(text.find(", 1 experience left out, the map's directory has changed\n") !=
+                std::string::npos);
+    assert_int_equal(status.json()["left_out"].get<int>(), 1);
+    assert_true(status.json()["map_changed"] == true);
+    status->left_out = status->map_changed = 0;
+    assert_true(status.text().find("left out") == std::string::npos);
+    assert_true(status.text().find("changed") == std::string::npos);
+}
+
 void the_frames_that_came_too_late_are_shown(void **)
 {
     void *const status = sample_new(&vdna_message_status);
@@ -163,6 +270,11 @@ int main()
         cmocka_unit_test(a_position_on_the_globe_is_shown_in_degrees_to_the_centimetre),
         cmocka_unit_test(a_position_in_a_local_frame_is_shown_in_metres_with_the_frame),
         cmocka_unit_test(an_unsure_answer_says_how_unsure),
+        cmocka_unit_test(a_ranking_says_by_what_it_ranks_and_what_to_expect),
+        cmocka_unit_test(a_ranking_says_what_does_not_fit_and_why_nothing_is_predicted),
+        cmocka_unit_test(where_no_experience_fits_there_is_a_place_and_in_a_changed_map_none),
+        cmocka_unit_test(every_state_has_a_name_of_its_own),
+        cmocka_unit_test(a_status_says_what_of_the_map_is_not_in_use),
         cmocka_unit_test(the_frames_that_came_too_late_are_shown),
         cmocka_unit_test(every_kind_of_message_has_a_type_a_name_and_a_channel_of_its_own),
     };

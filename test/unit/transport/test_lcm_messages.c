@@ -12,9 +12,12 @@
 
 // Bytes of the members in front of the first length, by the .lcm files.
 #define RANKING_BACKBONE_AT (8 + 8 + 8 + 4 + 4)
-#define RANKING_COUNT_AT (RANKING_BACKBONE_AT + (4 + 6) + (4 + 5) + (4 + 17) + 8)
+#define RANKING_RANKED_BY_AT (RANKING_BACKBONE_AT + (4 + 6) + (4 + 5) + (4 + 17) + 8)
+#define RANKING_SKILL_AT (RANKING_RANKED_BY_AT + (4 + 9) + (4 + 5) + 8 + (4 + 1))
+#define RANKING_COUNT_AT (RANKING_SKILL_AT + 8 + 4 + (4 + 5))
 #define LOCALISATION_EXPERIENCE_AT (8 + 8 + 4 + (4 + 1))
-#define STATUS_EXPERIENCE_AT (8 + 8 + 4 + (4 + 1) + 8 + 8)
+#define STATUS_HOST_AT (8 + 8 + 4 + 8 + 8)
+#define STATUS_EXPERIENCE_AT (STATUS_HOST_AT + (4 + 6) + (4 + 5) + (4 + 1) + 8 + 8)
 #define COMMAND_ARGUMENT_AT (8 + 8 + 4)
 #define IMAGE_WIDTH_AT (8 + 8)
 #define IMAGE_PIXELFORMAT_AT (IMAGE_WIDTH_AT + 3 * 4)
@@ -190,8 +193,10 @@ static void lengths_of_strings_must_be_right(void **state)
 {
     (void)state;
     assert_only_length(RANKING, RANKING_BACKBONE_AT, 6);
+    assert_only_length(RANKING, RANKING_RANKED_BY_AT, 9);
     assert_only_length(RANKING, RANKING_COUNT_AT + 4, 7);
     assert_only_length(LOCALISATION, LOCALISATION_EXPERIENCE_AT, 5);
+    assert_only_length(STATUS, STATUS_HOST_AT, 6);
     assert_only_length(STATUS, STATUS_EXPERIENCE_AT, 5);
     assert_only_length(COMMAND, COMMAND_ARGUMENT_AT, 1);
     assert_only_length(IMAGE, IMAGE_KEY_AT, 9);
@@ -229,7 +234,7 @@ static void a_ranking_of_nothing_is_well_formed(void **state)
     (void)state;
     vdna_msg_ranking_t empty = sample_ranking;
     empty.count = 0;
-    uint8_t bytes[128];
+    uint8_t bytes[256];
     const int size = vdna_msg_ranking_t_encode(bytes, 0, sizeof bytes, &empty);
     assert_int_equal(judge(&messages[RANKING], bytes, (size_t)size), VDNA_OK);
 }

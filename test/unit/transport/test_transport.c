@@ -484,6 +484,87 @@ static void of_many_channels_those_with_pictures_are_kept(void **state)
     assert_int_equal(overheard(*state, "CHANNEL_z").messages, 0);
 }
 
+// --- other daemons ---
+
+static void send_status(vdna_transport *transport, int64_t instance, int64_t serving_utime,
+                        char *host)
+{
+    vdna_msg_status_t status = sample_status;
+    status.instance = instance;
+    status.serving_utime = serving_utime;
+    status.host = host;
+    uint8_t bytes[1024];
+    const int size = vdna_msg_status_t_encode(bytes, 0, sizeof bytes, &status);
+    send_raw(transport, "PEERS", bytes, (size_t)size);
+    assert_int_equal(poll_events(transport, 0), 0);
+}
+
+static vdna_transport *open_for_peers(void)
+{
+    vdna_transport_config config = memq_config();
+    config.peer_channel = "PEERS";
+    return open_with(&config);
+}
+
+static void other_daemons_are_known_by_their_newest_status(void **state)
+{
+    (void)state;
+    vdna_transport *transport = open_for_peers();
+    uint32_t count = 7;
+    assert_non_null(vdna_transport_peers(transport, &count));
+    assert_int_equal(count, 0);
+    send_status(transport, 5, 100, "robot");
+    send_status(transport, -6, 200, "tab\there");
+    send_status(transport, 5, 0, "robot");
+    const vdna_transport_peer *peers = vdna_transport_peers(transport, &count);
+    assert_int_equal(count, 2);
+    assert_int_equal(peers[0].instance, 5);
+    assert_int_equal(peers[0].serving_utime, 0);
+    assert_true(peers[0].received_us >= peers[1].received_us && peers[1].received_us > 0);
+    assert_int_equal(peers[1].instance, -6);
+    assert_int_equal(peers[1].serving_utime, 200);
+    assert_string_equal(peers[1].host, "tab?here");
+    assert_int_equal(vdna_transport_count(transport)->backlog_max, 0);
+    vdna_transport_close(transport);
+}
+
+static void a_long_name_of_a_machine_is_cut_and_a_broken_status_rejected(void **state)
+{
+    (void)state;
+    vdna_transport *transport = open_for_peers();
+    char host[200] = "";
+    memset(host, 'h', sizeof host - 1);
+    send_status(transport, 5, 100, host);
+    uint32_t count = 0;
+    const vdna_transport_peer *peers = vdna_transport_peers(transport, &count);
+    assert_int_equal(strlen(peers[0].host), VDNA_TRANSPORT_HOST_SIZE - 1);
+    send_raw(transport, "PEERS", "12345678", 8);
+    assert_int_equal(poll_events(transport, 0), 0);
+    assert_int_equal(vdna_transport_count(transport)->rejected, 1);
+    assert_non_null(vdna_transport_peers(transport, &count));
+    assert_int_equal(count, 1);
+    vdna_transport_close(transport);
+}
+
+static void of_too_many_daemons_the_one_silent_for_longest_goes(void **state)
+{
+    (void)state;
+    vdna_transport *transport = open_for_peers();
+    const struct timespec moment = {0, 1000000};
+    for (int instance = 0; instance <= (int)VDNA_TRANSPORT_PEERS_MAX; instance++) {
+        send_status(transport, instance, 1, "robot");
+        nanosleep(&moment, NULL);
+    }
+    uint32_t count = 0;
+    const vdna_transport_peer *peers = vdna_transport_peers(transport, &count);
+    assert_int_equal(count, VDNA_TRANSPORT_PEERS_MAX);
+    assert_int_equal(peers[0].instance, VDNA_TRANSPORT_PEERS_MAX);
+    assert_int_equal(peers[1].instance, 1);
+    assert_null(vdna_transport_peers(NULL, &count));
+    assert_null(vdna_transport_peers(transport, NULL));
+    vdna_transport_close(transport);
+}
+
 static void overhearing_refuses_bad_arguments(void **state)
 {
     uint32_t count = 7;
@@ -549,6 +630,14 @@ static void a_published_ranking_passes_the_check_and_decodes_to_itself(void **st
     assert_memory_equal(ranking.distance_bins, sample_distances, sizeof sample_distances);
     assert_memory_equal(ranking.tied, sample_tied, sizeof sample_tied);
     assert_memory_equal(ranking.predicted_recall, sample_recalls, sizeof sample_recalls);
+    assert_string_equal(ranking.ranked_by, "transfer");
+    assert_string_equal(ranking.verdict, "poor");
+    assert_true(ranking.unlike == 0.0625 && ranking.skill == 0.5);
+    assert_int_equal(ranking.settled_frames, 12);
+    assert_string_equal(ranking.previous, "snow");
+    assert_memory_equal(ranking.predicted_low, sample_lows, sizeof sample_lows);
+    assert_memory_equal(ranking.predicted_high, sample_highs, sizeof sample_highs);
+    assert_memory_equal(ranking.transfer, sample_transfers, sizeof sample_transfers);
     vdna_msg_ranking_t_decode_cleanup(&ranking);
 }
 
@@ -572,6 +661,7 @@ static void a_published_localisation_passes_the_check_and_decodes_to_itself(void
     assert_memory_equal(answer.position, sample_localisation.position, sizeof answer.position);
     assert_true(answer.distance == 0.125);
     assert_true(answer.predicted_recall == 0.5);
+    assert_true(answer.predicted_low == 0.25 && answer.predicted_high == 0.75);
     assert_int_equal(answer.latency_us, 20000);
     assert_int_equal(answer.skipped, 3);
     vdna_msg_localisation_t_decode_cleanup(&answer);
@@ -585,6 +675,12 @@ static void a_published_status_passes_the_check_and_decodes_to_itself(void **sta
     assert_int_equal(vdna_msg_status_t_decode(kept.bytes, 0, (int)kept.size, &status), kept.size);
     assert_int_equal(status.utime, sample_status.utime);
     assert_int_equal(status.state, VDNA_MSG_STATUS_T_VALID);
+    assert_int_equal(status.instance, -77);
+    assert_int_equal(status.serving_utime, 1700000000000001);
+    assert_string_equal(status.host, "robot");
+    assert_int_equal(status.left_out, 1);
+    assert_int_equal(status.map_changed, 1);
+    assert_int_equal(status.switches, 6);
     assert_true(status.progress == 1);
     assert_string_equal(status.experience, "snow");
     assert_int_equal(status.experiences, 2);
@@ -884,6 +980,9 @@ int main(void)
         ON_MEMQ(our_own_channels_are_received_as_ever_and_not_overheard),
         ON_MEMQ(of_many_channels_those_with_pictures_are_kept),
         ON_MEMQ(overhearing_refuses_bad_arguments),
+        cmocka_unit_test(other_daemons_are_known_by_their_newest_status),
+        cmocka_unit_test(a_long_name_of_a_machine_is_cut_and_a_broken_status_rejected),
+        cmocka_unit_test(of_too_many_daemons_the_one_silent_for_longest_goes),
         ON_MEMQ(a_published_ranking_passes_the_check_and_decodes_to_itself),
         ON_MEMQ(a_published_localisation_passes_the_check_and_decodes_to_itself),
         ON_MEMQ(a_published_status_passes_the_check_and_decodes_to_itself),
