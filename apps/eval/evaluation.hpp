@@ -98,6 +98,22 @@ struct LocaliserResult {
     LocaliserScore chosen;      // in the reference that Visual DNA chooses; `mean` if not in_each
 };
 
+// A drive through several traversals in turn, localised by place filters in the references that
+// are not among them. Percentages are Recall@1 of the frames after the warmup.
+struct ReselectionResult {
+    std::string drive;            // "summer+dusk+night"
+    std::vector<size_t> choices;  // traversals: that of the warmup, then one for each switch
+    std::vector<uint32_t> delays; // frames, of switches after a change of traversals: since then
+    double again;                 // in the choice, which is reconsidered on every frame
+    double never;                 // in the choice of the warmup all the way
+    double best;                  // in whatever is best in hindsight between two changes
+};
+
+struct Reselection {
+    std::vector<ReselectionResult> drives;
+    Mean again, never, best, gain; // over the drives; gain: again - never
+};
+
 struct Evaluation {
     std::string dataset;         // its path
     vdna_backbone_info backbone; // with the selected taps and their neurons
@@ -117,6 +133,7 @@ struct Evaluation {
     std::vector<MethodResult> methods;       // ours first, chance last
     std::vector<LocaliserResult> localisers; // in the drives as recorded
     std::vector<LocaliserResult> drives;     // in the drives asked for, drive by drive
+    std::optional<Reselection> reselection;  // if asked for
 };
 
 // Distances of the embeddings, [live frames][map frames]: the difference matrix.

@@ -13,13 +13,6 @@ namespace vdna::eval
 namespace
 {
 
-// Maps that were not read from files do not say how their embeddings are made.
-vdna_experience about_its_mean(vdna_experience map)
-{
-    std::strcpy(map.identity.embedding, "output centred");
-    return map;
-}
-
 std::vector<Answer> follow(const Drive &drive, const vdna_experience &map,
                            const std::function<Answer(const vdna_localise_answer &)> &answer_of)
 {
@@ -40,6 +33,12 @@ std::vector<Answer> follow(const Drive &drive, const vdna_experience &map,
 }
 
 } // namespace
+
+vdna_experience about_its_mean(vdna_experience map)
+{
+    std::strcpy(map.identity.embedding, "output centred");
+    return map;
+}
 
 std::vector<Answer> centred(const Drive &drive, const vdna_experience &map)
 {

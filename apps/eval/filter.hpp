@@ -8,6 +8,9 @@
 namespace vdna::eval
 {
 
+// A map that was not read from a file, which does not say how its embeddings are made.
+vdna_experience about_its_mean(vdna_experience map);
+
 // The map frame of least distance.
 std::vector<Answer> centred(const Drive &drive, const vdna_experience &map);
 

@@ -4,6 +4,7 @@
 
 #include "eval/placing.hpp"
 #include "report/localisers.hpp"
+#include "report/reselection.hpp"
 #include "report/wording.hpp"
 
 namespace vdna::report
@@ -178,6 +179,8 @@ program::Json json_of(const eval::Evaluation &evaluation,
     json["localisers"] = localisers_json(evaluation);
     if (!evaluation.drives.empty())
         json["drives"] = drives_json(evaluation);
+    if (evaluation.reselection)
+        json["reselection"] = reselection_json(evaluation);
     for (const eval::Ablation &ablation : ablations) {
         program::Json &rows = json["ablations"][ablation.kind] = program::Json::array();
         for (const eval::AblationRow &row : ablation.rows)

@@ -6,6 +6,7 @@
 
 #include "eval/ablation.hpp"
 #include "eval/compare_localisers.hpp"
+#include "eval/reselection.hpp"
 #include "program/decimal.hpp"
 #include "program/exit_code.hpp"
 #include "program/replaced_file.hpp"
@@ -41,6 +42,7 @@ struct EvalOptions {
     std::vector<std::string> ablate;
     std::vector<std::string> localisers = eval::usual_localisers;
     std::vector<std::string> drives;
+    std::vector<std::string> reselect;
     std::string cache, json, csv, npy, html;
     std::string command_line; // as given
 };
@@ -192,6 +194,8 @@ void run(const EvalOptions &o)
     evaluation.dataset = o.dataset;
     evaluation.localisers = eval::compare_localisers(evaluation, o.localisers);
     evaluation.drives = drives_of(evaluation, o);
+    if (!o.reselect.empty())
+        evaluation.reselection = eval::choose_again(evaluation, o.reselect);
     std::vector<eval::Ablation> ablations;
     for (const std::string &kind : o.ablate)
         ablations.push_back(eval::ablate(frames, settings, {kind, o.bins, o.warmup, o.range_rule}));
@@ -289,6 +293,13 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
         ->delimiter(',')
         ->check(CLI::IsMember(eval::drive_keys()).description(""))
         ->type_name("NAME");
+    command
+        .add_option("--reselect", o.reselect,
+                    "also drive through these traversals in turn, from the warmup of the first on, "
+                    "with the others as the map, and report what choosing again on the way gains: "
+                    "summer+dusk+night; one name alone is a drive whose look does not change")
+        ->delimiter(',')
+        ->type_name("NAME+NAME");
 }
 
 void add_output_options(CLI::App &command, EvalOptions &o)
@@ -333,7 +344,8 @@ void add_eval(CLI::App &app)
         "  vdna eval nordland/ --protocol nordland --backbone cosplace_resnet101_128\n"
         "  vdna eval runs/ --ablate bins --bins 10,100,1000\n"
         "  vdna eval runs/ --localisers nn,filter,seqslam,all --html report.html\n"
-        "  vdna eval runs/ --localisers nn,filter --drives plain,varied,replaced,gap,off-route");
+        "  vdna eval runs/ --localisers nn,filter --drives plain,varied,replaced,gap,off-route\n"
+        "  vdna eval runs/ --reselect summer+dusk+night,summer");
     command->callback([options, command] {
         options->command_line = command_line_of(*command);
         run(*options);

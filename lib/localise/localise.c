@@ -366,3 +366,12 @@ double vdna_localise_evidence(const vdna_localise *localise)
 {
     return localise ? localise->filter.evidence : 0;
 }
+
+/* see vdna/localise.h */
+uint32_t vdna_localise_jumps(const vdna_localise *localise)
+{
+    uint32_t count = 0;
+    for (uint64_t left = localise ? localise->filter.jumps : 0; left > 0; left &= left - 1)
+        count++;
+    return count;
+}

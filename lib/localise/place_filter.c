@@ -216,7 +216,7 @@ static void advance_sources(const vdna_place_filter *filter, size_t begin)
 static void update(const vdna_place_filter *filter, double factor)
 {
     double kept[2][VDNA_GEARS_MAX];
-    if (filter->is_started) {
+    if (filter->steps > 0) {
         kept_at_end(filter, 0, kept[0]);
         kept_at_end(filter, 1, kept[1]);
         /* As if a block of nothing had gone before the first. */
@@ -226,7 +226,7 @@ static void update(const vdna_place_filter *filter, double factor)
     for (size_t begin = 0; begin < filter->frames; begin += BLOCK_FRAMES) {
         const size_t left = filter->frames - begin;
         const size_t count = left < BLOCK_FRAMES ? left : BLOCK_FRAMES;
-        if (filter->is_started) {
+        if (filter->steps > 0) {
             advance_sources(filter, begin);
             move_block(filter, begin, count);
             add_kept(filter, begin, count, kept);
@@ -245,7 +245,8 @@ void vdna_place_filter_reset(vdna_place_filter *filter)
         filter->places[i] = filter->gear_count;
     filter->scale = 1 / (double)states;
     filter->evidence = 0;
-    filter->is_started = 0;
+    filter->jumps = 0;
+    filter->steps = 0;
 }
 
 /* ---- Answer ---- */
@@ -333,6 +334,28 @@ static double confidence_of(const vdna_place_filter *filter, double mass, double
     return 1 / (1 + vdna_exp(-(c[0] + c[1] * logit + c[2] * filter->evidence + c[3] * distance)));
 }
 
+/* Whether a gear carries anything from one frame to the other. */
+static int is_in_reach(const vdna_place_filter *filter, uint32_t from, size_t to)
+{
+    for (size_t g = 0; g < filter->gear_count; g++) {
+        const vdna_gear *gear = &filter->gears[g];
+        const int64_t share = (int64_t)to - from - gear->first;
+        if (share >= 0 && share < VDNA_GEAR_SHARES && gear->share[share] > 0)
+            return 1;
+    }
+    return 0;
+}
+
+/* Whether the robot would have to be carried from `before` to get into the window. */
+static int is_jump(const vdna_place_filter *filter, uint32_t before,
+                   const vdna_place_window *window)
+{
+    for (size_t i = window->first; i < window->past; i++)
+        if (is_in_reach(filter, before, frame_at(filter, i)))
+            return 0;
+    return 1;
+}
+
 /* see place_filter.h */
 void vdna_place_filter_step(vdna_place_filter *filter, const float *distances,
                             const vdna_row_contrast *contrast, vdna_localise_answer *answer)
@@ -344,14 +367,19 @@ void vdna_place_filter_step(vdna_place_filter *filter, const float *distances,
 
     const double total = add_up(filter);
     filter->scale = 1 / total;
-    if (filter->is_started)
+    if (filter->steps > 0)
         filter->evidence += filter->evidence_share * (vdna_log(total) - filter->evidence);
-    filter->is_started = 1;
 
     double mass;
     const vdna_place_window window = heaviest(filter, &mass);
     mass *= filter->scale;
     mass = mass > 1 - 1e-9 ? 1 - 1e-9 : mass;
+    /* Until then it looks for its place. */
+    const int is_led_in = filter->steps == VDNA_LOCALISE_LEAD_FRAMES;
+    filter->jumps <<= 1;
+    if (is_led_in && is_jump(filter, answer->frame, &window))
+        filter->jumps |= 1;
+    filter->steps += !is_led_in;
     answer->frame = likeliest(filter, &window);
     answer->mass = mass;
     answer->confidence = confidence_of(filter, mass, least_distance_in(filter, &window, distances));

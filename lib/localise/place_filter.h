@@ -28,8 +28,9 @@ typedef struct vdna_place_filter {
     double scale;
     double sharpness, clutter, jump, gear_change, evidence_share, confidence[4];
     double evidence;
+    uint64_t jumps; /* a bit for each of the last 64 steps, the newest lowest */
     uint32_t frames, gear_count, tolerance;
-    uint32_t is_started;
+    uint32_t steps; /* since the reset, at most VDNA_LOCALISE_LEAD_FRAMES */
 } vdna_place_filter;
 
 /* Statistics of the distances of one frame. */
@@ -53,7 +54,7 @@ vdna_row_contrast vdna_row_contrast_of(const float *distances, uint32_t count);
 
 /* One step.
  * @param distances  [filter->frames], finite, at most 1e18
- * @param answer     frame, mass and confidence are written */
+ * @param answer     the one before; frame, mass and confidence are written */
 void vdna_place_filter_step(vdna_place_filter *filter, const float *distances,
                             const vdna_row_contrast *contrast, vdna_localise_answer *answer);
 

@@ -524,6 +524,31 @@ vdna_status vdna_trust_expect(const vdna_trust *trust, const double *nearest, do
     return VDNA_OK;
 }
 
+/* see vdna/trust.h */
+vdna_status vdna_trust_suit(const vdna_trust *trust, const double *nearest,
+                            const double *confidence, double *out_suits)
+{
+    if (!trust || !nearest || !out_suits)
+        return VDNA_ERR_ARG;
+    const uint32_t runs = trust->model.runs;
+    for (uint32_t b = 0; b < runs && confidence; b++)
+        if (!is_from_to(confidence[b], 0, 1))
+            return VDNA_ERR_ARG;
+    if (!are_relative(nearest, runs))
+        return VDNA_ERR_NONFINITE;
+    double least = INFINITY;
+    for (uint32_t b = 0; b < runs; b++) {
+        const double relative = nearest[b] / trust->own[b];
+        out_suits[b] = relative > 1e-6 ? relative : 1e-6;
+        least = out_suits[b] < least ? out_suits[b] : least;
+    }
+    for (uint32_t b = 0; b < runs; b++) {
+        const double likeness = least / out_suits[b];
+        out_suits[b] = confidence ? (likeness + confidence[b]) / 2 : likeness;
+    }
+    return VDNA_OK;
+}
+
 static int is_recent(const vdna_trust *trust, int64_t time)
 {
     return trust->time - time < MEMORY_FRAMES;

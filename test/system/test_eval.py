@@ -449,6 +449,19 @@ class Results(OwnSet):
         self.assertRegex(self.refused(self.dataset, "--drives", "flight", code=2),
                          "plain.*varied.*replaced.*gap.*off-route")
 
+    def test_choosing_again_has_a_row_for_each_drive(self):
+        options = ("--reselect", "dawn+dusk,noon", "--tolerance", 1)
+        result = self.evaluate(self.dataset, *options)["reselection"]
+        self.assertEqual(list(result["drives"]), ["dawn+dusk", "noon"])
+        alone = result["drives"]["dawn+dusk"]  # there is one candidate
+        self.assertEqual(alone["choices"], ["noon"])
+        self.assertEqual(alone["again_percent"], alone["never_percent"])
+        self.assertEqual(alone["delays"], [])
+        done = vdna("eval", self.dataset, "--cache", self.cache, *options)
+        self.assertRegex(done.stdout, r"\ndawn\+dusk  +\d+\.\d\d  +\d+\.\d\d  +\d+\.\d\d  +noon")
+        self.assertRegex(self.refused(self.dataset, "--reselect", "dawn+night"),
+                         "no traversal 'night'")
+
     def test_an_ablation_has_a_row_for_each_value(self):
         result = self.evaluate(self.dataset, "--ablate", "bins,warmup,tap,leave-one-out", "--bins",
                                "10,1000", "--warmup", "3,4")

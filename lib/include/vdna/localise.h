@@ -37,6 +37,10 @@
  *  - **Confidence** = 1 / (1 + exp(-(c0 + c1 clip(log(m / (1 - m)), -8, 8) + c2 E + c3 D))), c
  * being `confidence` and D the least distance in the window that is told.
  *
+ *  - **Jumps.** From the 11th step on, a step jumps if no gear carries anything from the frame that
+ *    was told before to a frame of the window that is told now: then the robot has been carried, or
+ *    the filter has no track. vdna_localise_jumps() counts them.
+ *
  *  With `mean_frames` = 0 and `confidence` = -2.5, 0.53, 1.1, 0 this is the reference, which begins
  * with an empty mean, and does not look at D. When a robot leaves the route, the filter follows
  * whatever looks least unlike; D tells that it is unlike. The default c0 and c3 are for embeddings
@@ -71,6 +75,11 @@ extern "C" {
 /** Frames by which a filter should find its place before its answers are used: feed so many of the
  *  last frames of a warmup, and take those before them into the mean only. */
 #define VDNA_LOCALISE_LEAD_FRAMES 10u
+
+/** Jumps among the last 64 steps from which on a robot is taken to be on another route; being
+ * carried once is one. Where many pictures are from elsewhere, such as 30 % of them, a robot on the
+ *  route often has as many. The library does not use it. */
+#define VDNA_LOCALISE_LOST_JUMPS 2u
 
 /** Confidence below which our programs call an answer unsure, unless told otherwise. The library
  *  does not use it. */
@@ -256,6 +265,13 @@ VDNA_API const double *vdna_localise_mean(const vdna_localise *localise);
  *  @return 0 if the frames look like any place; positive if they look like the places that the
  *          motion predicts */
 VDNA_API double vdna_localise_evidence(const vdna_localise *localise);
+
+/** Count the jumps: on another route the filter finds no track, whatever the pictures look like,
+ * and jumps from one resemblance to the next; on the map's route it does not, however little it is
+ * confident. At least 40 steps tell.
+ *  @param localise  NULL gives 0
+ *  @return jumps among the last 64 steps, those while standing not counted */
+VDNA_API uint32_t vdna_localise_jumps(const vdna_localise *localise);
 
 #ifdef __cplusplus
 }

@@ -18,8 +18,8 @@
  *      vdna_trust_predict(trust, distances of vdna_emd_mean(), predictions, &answer);
  *      vdna_trust_choose(trust, the choice);
  *      for every n-th frame of the drive:
- *          vdna_trust_expect(trust, nearest, expected);
- *          vdna_trust_reconsider(trust, expected, n, &choice);
+ *          vdna_trust_suit(trust, nearest, confidences of vdna/localise.h, suits);
+ *          vdna_trust_reconsider(trust, suits, n, &choice);
  *
  *  Definition. A map has K runs. Doubles throughout. ln(x) is log(max(x, 1e-6)); a recall R, 0..1,
  *  is handled as the angle y = asin(sqrt(R)), R = sin(clip(y, 0, pi/2))^2, in which its noise is
@@ -84,10 +84,10 @@
  *    Never with a skill of 0 or below among 6 labelled runs or more, nor if no tau is known; one
  *    candidate alone is settled at 10.
  *  - **Choosing again**: G_b = max(0, G_b + f (R_b - R_k - 0.02)), G_k = 0, for every f-th frame of
- *    the drive, R being the expected recall, sin(c + beta ln s)^2 or whatever else the caller takes
- *    for it. The b of greatest G_b - C_b > 0 replaces the choice k, and all G begin anew. C_b =
- *    `switch_cost`, doubled if b was left less than 100 frames ago, and again for each such
- *    return in the last 100 frames.
+ *    the drive, R being how a candidate suits the frame, (confidence_b + min(s) / s_b) / 2 of
+ *    vdna_trust_suit() or whatever else the caller takes for it. The b of greatest G_b - C_b > 0
+ * replaces the choice k, and all G begin anew. C_b = `switch_cost`, doubled if b was left less than
+ * 100 frames ago, and again for each such return in the last 100 frames.
  *
  *  What this cannot see: a frozen picture, a mirrored one, another route of the same look. Of a
  *  warmup of 10 frames predictions are some points too high.
@@ -379,11 +379,25 @@ VDNA_API vdna_status vdna_trust_choose(vdna_trust *trust, uint32_t candidate);
 VDNA_API vdna_status vdna_trust_expect(const vdna_trust *trust, const double *nearest,
                                        double *out_recall);
 
+/** Tell how well each candidate suits a frame: half by how near its nearest frame is, compared with
+ *  the nearest candidate's, half by how sure of its place a filter is that follows the drive in it.
+ *  The first sees a change of light at once, the second whether it matters. Neither needs labels.
+ *  @param trust       from vdna_trust_init()
+ *  @param nearest     [runs], rho of this frame in each candidate, 0..2
+ *  @param confidence  [runs], of a localiser of vdna/localise.h in each candidate, 0..1; NULL =
+ * there are none, and nearness is all
+ *  @param out_suits   [runs], 0..1, for vdna_trust_reconsider()
+ *  @return VDNA_OK; VDNA_ERR_ARG, also for a confidence beyond 0..1; VDNA_ERR_NONFINITE for a
+ * number of `nearest` beyond 0..2. After an error nothing is written */
+VDNA_API vdna_status vdna_trust_suit(const vdna_trust *trust, const double *nearest,
+                                     const double *confidence, double *out_suits);
+
 /** Take a frame of the drive, and choose another candidate if that has paid for long enough.
  *  @param trust       from vdna_trust_init(), after vdna_trust_choose()
- *  @param recall      [runs], expected in each candidate, 0..1: from vdna_trust_expect(), or in any
- *                     other currency, such as confidences of vdna/localise.h; NaN = not known, with
- *                     which gains against this candidate, and of it, begin anew
+ *  @param recall      [runs], of each candidate, 0..1: from vdna_trust_suit(), or in any other
+ *                     currency, such as vdna_trust_expect() or confidences of vdna/localise.h; NaN
+ *                     = not known, with which gains against this candidate, and of it, begin anew.
+ *                     Leave out frames while the robot stands: they repeat one another
  *  @param frames      of the drive for which this one stands, 1..1e6: 5 if every fifth comes here
  *  @param out_choice  the choice now
  *  @return VDNA_OK; VDNA_ERR_ARG, also before a choice and for a recall beyond 0..1. After an error

@@ -37,7 +37,7 @@ ROOMS = {
     "apps/record": (8, ["apps/frames", "apps/program", "lib/backbone", "lib/core", "lib/cpp",
                         "lib/geodesy", "lib/localise", "lib/map", "lib/select", "lib/trust"]),
     "apps/eval": (9, ["apps/frames", "apps/program", "apps/record", "lib/backbone", "lib/baseline",
-                      "lib/core", "lib/cpp", "lib/localise"]),
+                      "lib/core", "lib/cpp", "lib/localise", "lib/trust"]),
     "apps/report": (10, ["apps/eval", "apps/frames", "apps/program", "apps/record", "lib/core",
                          "lib/picture"]),
     "apps/vdna": (11, ["apps/eval", "apps/frames", "apps/program", "apps/record", "apps/report",

@@ -172,6 +172,39 @@ static void standing_still_says_nothing_new(void **state)
     assert_true(vdna_localise_evidence(localise) == evidence);
 }
 
+static void a_robot_that_is_carried_once_jumps_once(void **state)
+{
+    (void)state;
+    const vdna_localise_config config = on_the_route();
+    vdna_localise *localise = made(&config);
+    for (int t = 0; t < 30; t++)
+        fed(localise, 60 + t, 1);
+    assert_int_equal(vdna_localise_jumps(localise), 0);
+    for (int t = 0; t < 20; t++)
+        fed(localise, 5 + t, 1);
+    assert_int_equal(vdna_localise_jumps(localise), 1);
+    /* Later than 64 steps it is forgotten. */
+    for (int t = 0; t < 64; t++)
+        fed(localise, 25 + t, 1);
+    assert_int_equal(vdna_localise_jumps(localise), 0);
+}
+
+static void a_robot_without_a_track_jumps_again_and_again(void **state)
+{
+    (void)state;
+    const vdna_localise_config config = on_the_route();
+    vdna_localise *localise = made(&config);
+    for (int t = 0; t < 10; t++)
+        fed(localise, t % 2 ? 5 + t : MAP - 5 - t, 0.7);
+    assert_int_equal(vdna_localise_jumps(localise), 0); /* still looking for its place */
+    for (int t = 0; t < 64; t++)
+        fed(localise, t / 8 * 47 % (MAP - 8) + t % 8, 0.7);
+    assert_true(vdna_localise_jumps(localise) >= VDNA_LOCALISE_LOST_JUMPS);
+    vdna_localise_reset(localise);
+    assert_int_equal(vdna_localise_jumps(localise), 0);
+    assert_int_equal(vdna_localise_jumps(NULL), 0);
+}
+
 static void a_gate_of_0_counts_all_but_the_very_same_picture(void **state)
 {
     (void)state;
@@ -723,6 +756,8 @@ int main(void)
         cmocka_unit_test(off_the_route_it_is_not_confident),
         cmocka_unit_test(at_the_end_of_the_map_it_waits_there),
         cmocka_unit_test(standing_still_says_nothing_new),
+        cmocka_unit_test(a_robot_that_is_carried_once_jumps_once),
+        cmocka_unit_test(a_robot_without_a_track_jumps_again_and_again),
         cmocka_unit_test(a_gate_of_0_counts_all_but_the_very_same_picture),
         cmocka_unit_test(before_the_first_step_nothing_is_known),
         cmocka_unit_test(the_mean_begins_as_the_maps_worth_three_frames),

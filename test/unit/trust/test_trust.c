@@ -659,6 +659,43 @@ static void an_unknown_recall_gains_nothing(void **state)
     assert_int_equal(reconsidered(trust, 0.4, 0.9, NAN), 1);
 }
 
+static void a_candidate_suits_by_nearness_and_by_confidence(void **state)
+{
+    (void)state;
+    const vdna_trust_config config = a_map_of(2);
+    vdna_trust *trust = made(&config);
+    const double own[] = {map.own[0], map.own[1]};
+    const double nearest[] = {0.4 * own[0], 0.8 * own[1]}, sure[] = {0.5, 1};
+    double suits[2];
+    OK(vdna_trust_suit(trust, nearest, NULL, suits));
+    assert_near(suits[0], 1);
+    assert_near(suits[1], 0.5);
+    OK(vdna_trust_suit(trust, nearest, sure, suits));
+    assert_near(suits[0], 0.75);
+    assert_near(suits[1], 0.75);
+    /* The very same picture in both. */
+    const double same[] = {0, 0};
+    OK(vdna_trust_suit(trust, same, NULL, suits));
+    assert_true(suits[0] == 1 && suits[1] == 1);
+}
+
+static void after_a_change_of_light_the_candidate_that_suits_is_chosen(void **state)
+{
+    (void)state;
+    const vdna_trust_config config = a_map_of(2);
+    vdna_trust *trust = made(&config);
+    OK(vdna_trust_choose(trust, 0));
+    const double dark[] = {0.8 * map.own[0], 0.4 * map.own[1]}, sure[] = {0.9, 0.9};
+    double suits[2];
+    uint32_t choice = 0, frames = 0;
+    for (; choice == 0 && frames < 100; frames++) {
+        OK(vdna_trust_suit(trust, dark, sure, suits));
+        OK(vdna_trust_reconsider(trust, suits, 1, &choice));
+    }
+    /* 0.25 - 0.02 a frame, until they are above the cost of 5. */
+    assert_int_equal(frames, 22);
+}
+
 static void without_a_fit_no_recall_is_expected(void **state)
 {
     (void)state;
@@ -835,6 +872,11 @@ static void a_bad_choice_is_refused(void **state)
     REFUSED(vdna_trust_expect(trust, recall, NULL));
     const double far[] = {0.1, 2.2, 0.3};
     assert_int_equal(vdna_trust_expect(trust, far, expected), VDNA_ERR_NONFINITE);
+    REFUSED(vdna_trust_suit(NULL, recall, recall, expected));
+    REFUSED(vdna_trust_suit(trust, NULL, recall, expected));
+    REFUSED(vdna_trust_suit(trust, recall, recall, NULL));
+    REFUSED(vdna_trust_suit(trust, recall, above, expected));
+    assert_int_equal(vdna_trust_suit(trust, far, NULL, expected), VDNA_ERR_NONFINITE);
     vdna_trust_reset(trust); /* no candidate is chosen any more */
     REFUSED(vdna_trust_reconsider(trust, recall, 1, &choice));
 }
@@ -886,6 +928,8 @@ int main(void)
         cmocka_unit_test(where_distances_tell_nothing_it_never_settles),
         cmocka_unit_test(a_switch_pays_after_as_many_frames_as_it_costs),
         cmocka_unit_test(an_unknown_recall_gains_nothing),
+        cmocka_unit_test(a_candidate_suits_by_nearness_and_by_confidence),
+        cmocka_unit_test(after_a_change_of_light_the_candidate_that_suits_is_chosen),
         cmocka_unit_test(without_a_fit_no_recall_is_expected),
         cmocka_unit_test(a_bad_config_has_no_size_and_is_refused),
         cmocka_unit_test(the_size_is_as_stated),

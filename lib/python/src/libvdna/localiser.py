@@ -202,6 +202,11 @@ class Localiser:
         return float(lib.vdna_localise_evidence(self._localise))
 
     @property
+    def jumps(self) -> int:
+        """Among the last 64 steps, those that no gear makes: on another route there are many."""
+        return int(lib.vdna_localise_jumps(self._localise))
+
+    @property
     def step(self) -> float:
         """Median Euclidean distance of the experience's neighbouring frames."""
         return float(lib.vdna_localise_map_step(self._map))

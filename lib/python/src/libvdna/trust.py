@@ -413,6 +413,21 @@ class Trust:
         lib.vdna_trust_expect(self._trust, row.ctypes.data, out.ctypes.data)
         return out
 
+    def suit(
+        self, nearest: ArrayLike, confidence: Optional[ArrayLike] = None
+    ) -> NDArray[np.float64]:
+        """Tell how well each candidate suits a frame, 0..1: for reconsider().
+
+        nearest: as for feed()
+        confidence: float64 [runs], of a Localiser in each candidate; None = nearness is all
+        """
+        out = np.empty(self._runs)
+        row = self._row(nearest, "nearest")
+        sure = None if confidence is None else self._row(confidence, "confidence")
+        address = None if sure is None else sure.ctypes.data
+        lib.vdna_trust_suit(self._trust, row.ctypes.data, address, out.ctypes.data)
+        return out
+
     def reconsider(self, recall: ArrayLike, frames: SupportsIndex = 1) -> int:
         """Take a frame of the drive; return the choice, which is another one if that has paid.
 
