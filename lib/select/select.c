@@ -296,7 +296,7 @@ static int may_stop(const vdna_select *select)
 static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, uint32_t order,
                            int64_t utime, vdna_select_answer *answer)
 {
-    vdna_status status = vdna_select_measure(select, frame->embedding);
+    vdna_status status = vdna_select_measure_for_warmup(select, frame->embedding);
     if (status != VDNA_OK)
         return status;
     if (select->is_over)
@@ -417,6 +417,14 @@ double vdna_select_margin_bins(const vdna_select *select)
 const vdna_select_position *vdna_select_where(const vdna_select *select)
 {
     return has_choice(select) && select->config.localisers ? &select->position : NULL;
+}
+
+/* see vdna/select.h */
+uint32_t vdna_select_is_lost(const vdna_select *select)
+{
+    const vdna_select_position *where = vdna_select_where(select);
+    return where && vdna_localise_jumps(select->config.localisers[where->candidate]) >=
+                        VDNA_LOCALISE_LOST_JUMPS;
 }
 
 /* see vdna/select.h */

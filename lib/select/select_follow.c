@@ -85,13 +85,9 @@ void vdna_select_follow_leads(vdna_select *select)
 
 /* ---- Choosing again ---- */
 
-/* The currency in which candidates are compared: recall that this frame lets expect in each.
- * @param out_recall  [candidate_count], 0..1 */
-static void expect_recall(const vdna_select *select, double *out_recall)
-{
-    for (uint32_t i = 0; i < select->config.candidate_count; i++)
-        out_recall[i] = select->answers[i].confidence;
-}
+/* Of a robot that moves, the choice is reconsidered at every so many frames. More often, it takes
+ * more time and chooses no better. */
+#define RECONSIDER_FRAMES 5u
 
 /* Bring the new choice to the front of the ranking; the others keep their order. */
 static void switch_choice(vdna_select *select, uint32_t choice)
@@ -109,11 +105,19 @@ static void switch_choice(vdna_select *select, uint32_t choice)
     select->switches++;
 }
 
-static void reconsider(vdna_select *select)
+/* Compare how the candidates suit a frame. One that cannot be measured says nothing. */
+static void reconsider(vdna_select *select, const float *embedding)
 {
+    vdna_trust *const trust = select->config.trust;
+    double *const suits = select->of_candidates, *const confidence = select->likeness;
+    if (!select->answers[select->chosen].moving || ++select->moved % RECONSIDER_FRAMES != 0 ||
+        vdna_select_measure(select, embedding) != VDNA_OK)
+        return;
+    for (uint32_t i = 0; i < select->config.candidate_count; i++)
+        confidence[i] = select->answers[i].confidence;
     uint32_t choice = select->chosen;
-    expect_recall(select, select->of_candidates);
-    vdna_trust_reconsider(select->config.trust, select->of_candidates, 1, &choice);
+    vdna_trust_suit(trust, suits, confidence, suits);
+    vdna_trust_reconsider(trust, suits, RECONSIDER_FRAMES, &choice);
     if (choice != select->chosen)
         switch_choice(select, choice);
 }
@@ -138,7 +142,7 @@ vdna_status vdna_select_localise(vdna_select *select, const float *embedding,
     }
     follow(select, embedding);
     if (select->config.reselect && select->state == VDNA_SELECT_SELECTED)
-        reconsider(select);
+        reconsider(select, embedding);
     believe(select);
     answer->match.index = select->position.answer.nearest;
     answer->match.distance_sq = 2 * select->position.answer.nearest_distance;

@@ -25,7 +25,8 @@ struct vdna_select {
     vdna_trust_prediction *predictions; /* [candidate_count] */
     double *of_candidates;              /* [candidate_count], working memory; of a frame of a warmup
                                            its rho in each */
-    double *likeness;                   /* [candidate_count], its rho on the last layer */
+    double *likeness;                   /* [candidate_count], working memory; of a frame of a warmup
+                                           its rho on the last layer */
     int8_t *codes;                      /* its last layer, if trust needs it */
     float code_scale;
 
@@ -34,6 +35,7 @@ struct vdna_select {
                          warm up with begins another */
     uint32_t previous, restart_cause;
     uint64_t accepted, rejected, restarts, switches;
+    uint64_t moved; /* frames in SELECTED at which the robot moved, if others may be chosen */
 };
 
 /* ---- select_trust.c ---- */
@@ -48,8 +50,11 @@ uint32_t vdna_select_codes(const vdna_select_config *config);
  * @param last_layer  ignored if it is not needed */
 vdna_status vdna_select_encode(vdna_select *select, const float *last_layer);
 
-/* How far a frame, whose codes are kept, is from every candidate. */
+/* How far a frame is from every candidate: `of_candidates`. */
 vdna_status vdna_select_measure(vdna_select *select, const float *embedding);
+
+/* The same, and by the last layer whose codes are kept if trust needs it: `likeness`. */
+vdna_status vdna_select_measure_for_warmup(vdna_select *select, const float *embedding);
 
 /* Count the frame that was measured. */
 void vdna_select_count(vdna_select *select);

@@ -59,26 +59,37 @@ vdna_status vdna_select_encode(vdna_select *select, const float *last_layer)
                       : vdna_int8_encode(last_layer, count, select->codes, &select->code_scale);
 }
 
-static vdna_status measure_in(vdna_select *select, const float *embedding, uint32_t i)
-{
-    const vdna_trust_run *run = &select->config.runs[i];
-    const vdna_status status = vdna_trust_nearest(embedding, run->embeddings, run->dim, run->frames,
-                                                  &select->of_candidates[i], NULL);
-    if (status != VDNA_OK || !is_by_likeness(&select->config))
-        return status;
-    return vdna_trust_nearest_int8(select->codes, select->code_scale, run->last_layer,
-                                   run->last_layer_scale, run->last_layer_dim, run->frames,
-                                   &select->likeness[i]);
-}
-
 /* see select_state.h */
 vdna_status vdna_select_measure(vdna_select *select, const float *embedding)
 {
     vdna_status status = VDNA_OK;
     const uint32_t count = select->config.trust ? select->config.candidate_count : 0;
-    for (uint32_t i = 0; status == VDNA_OK && i < count; i++)
-        status = measure_in(select, embedding, i);
+    for (uint32_t i = 0; status == VDNA_OK && i < count; i++) {
+        const vdna_trust_run *run = &select->config.runs[i];
+        status = vdna_trust_nearest(embedding, run->embeddings, run->dim, run->frames,
+                                    &select->of_candidates[i], NULL);
+    }
     return status;
+}
+
+static vdna_status measure_last_layer(vdna_select *select)
+{
+    vdna_status status = VDNA_OK;
+    for (uint32_t i = 0; status == VDNA_OK && i < select->config.candidate_count; i++) {
+        const vdna_trust_run *run = &select->config.runs[i];
+        status = vdna_trust_nearest_int8(select->codes, select->code_scale, run->last_layer,
+                                         run->last_layer_scale, run->last_layer_dim, run->frames,
+                                         &select->likeness[i]);
+    }
+    return status;
+}
+
+/* see select_state.h */
+vdna_status vdna_select_measure_for_warmup(vdna_select *select, const float *embedding)
+{
+    const vdna_status status = vdna_select_measure(select, embedding);
+    return status == VDNA_OK && is_by_likeness(&select->config) ? measure_last_layer(select)
+                                                                : status;
 }
 
 /* see select_state.h */

@@ -31,8 +31,10 @@
  * new choice knows the place at once, and its live mean has no frame from before. Restarts begin
  * the warmup anew, and leave the choice.
  *  - Choosing again, with `reselect`, in SELECTED. The localisers of all candidates follow the
- * robot at each frame, and vdna_trust_reconsider() compares their confidences. A switch brings the
- * new choice to the front of the ranking, and is localised in with the very same frame.
+ *    robot at each frame. Of every fifth frame at which the robot moves, vdna_trust_reconsider()
+ *    compares how the candidates suit it, by vdna_trust_suit() with the localisers' confidences. A
+ *    switch brings the new choice to the front of the ranking, and is localised in with the very
+ *    same frame.
  *
  *  A frame costs a search among all frames of all candidates in WARMUP and NONE_FITS, if there is
  *  trust, and a step of every localiser with `reselect` and in NONE_FITS. Without trust all is as
@@ -250,6 +252,12 @@ VDNA_API double vdna_select_margin_bins(const vdna_select *select);
  *  @return borrowed until the next call that changes the selector; NULL without localisers, and
  *          in state WARMUP */
 VDNA_API const vdna_select_position *vdna_select_where(const vdna_select *select);
+
+/** Tell whether the robot seems to drive another route: the places where it seems to be jump as on
+ *  no drive along the map's, see vdna_localise_jumps(). It takes some 40 frames after the choice.
+ *  @param select  NULL gives 0
+ *  @return 1 if so; 0 if not, in state WARMUP, and without localisers */
+VDNA_API uint32_t vdna_select_is_lost(const vdna_select *select);
 
 /** Get all candidates in the order of the choice.
  *  @param select     NULL gives NULL

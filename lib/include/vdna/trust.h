@@ -386,7 +386,7 @@ VDNA_API vdna_status vdna_trust_expect(const vdna_trust *trust, const double *ne
  *  @param nearest     [runs], rho of this frame in each candidate, 0..2
  *  @param confidence  [runs], of a localiser of vdna/localise.h in each candidate, 0..1; NULL =
  * there are none, and nearness is all
- *  @param out_suits   [runs], 0..1, for vdna_trust_reconsider()
+ *  @param out_suits   [runs], 0..1, for vdna_trust_reconsider(); may be `nearest` itself
  *  @return VDNA_OK; VDNA_ERR_ARG, also for a confidence beyond 0..1; VDNA_ERR_NONFINITE for a
  * number of `nearest` beyond 0..2. After an error nothing is written */
 VDNA_API vdna_status vdna_trust_suit(const vdna_trust *trust, const double *nearest,

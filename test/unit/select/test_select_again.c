@@ -180,6 +180,46 @@ static void nothing_is_reconsidered_unless_told_to(void **state)
     assert_true(vdna_localise_evidence(localisers[NIGHT]) == 0);
 }
 
+static void a_frame_that_cannot_be_measured_says_nothing(void **state)
+{
+    (void)state;
+    make_map();
+    vdna_select *select = selector(make_trust(NULL), 12, 1);
+    uint32_t t = 0;
+    for (; t < 60; t++)
+        drive(select, t, DAY);
+    for (; t < 80; t++) {
+        float embedding[DIM];
+        for (uint32_t i = 0; i < DIM; i++)
+            embedding[i] = i % 2 ? 3e38f : -3e38f; /* whose squared distance is beyond a float */
+        const float activation = 0.5f;
+        const vdna_activations tap = {&activation, 1, 1, 0};
+        const vdna_select_frame frame = {t, &tap, 1, embedding};
+        vdna_select_answer answer;
+        OK(vdna_select_feed(select, &frame, &answer));
+    }
+    assert_int_equal(vdna_select_switches(select), 0);
+}
+
+static void another_route_is_told_by_jumps_of_the_place(void **state)
+{
+    (void)state;
+    make_map();
+    vdna_select *select = selector(make_trust(NULL), 12, 0);
+    for (uint32_t t = 0; t < 12; t++) {
+        assert_int_equal(vdna_select_is_lost(select), 0);
+        drive(select, t, DAY);
+    }
+    for (uint32_t t = 12; t < 80; t++) {
+        drive(select, t, DAY);
+        assert_int_equal(vdna_select_is_lost(select), 0);
+    }
+    for (uint32_t t = 80; t < 160; t++) /* every seventeenth frame */
+        drive(select, t * (FRAMES + 17), DAY);
+    assert_int_equal(vdna_select_is_lost(select), 1);
+    assert_int_equal(vdna_select_is_lost(NULL), 0);
+}
+
 /* ---- None fits ---- */
 
 /* Every run found the others at so small a distance that nothing is like them. */
@@ -291,6 +331,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_constant_drive_sees_no_switch),
         cmocka_unit_test(a_change_of_light_is_one_switch_and_the_new_choice_knows_the_place),
+        cmocka_unit_test(a_frame_that_cannot_be_measured_says_nothing),
+        cmocka_unit_test(another_route_is_told_by_jumps_of_the_place),
         cmocka_unit_test(nothing_is_reconsidered_unless_told_to),
         cmocka_unit_test(while_none_fits_all_localisers_follow_so_the_next_choice_knows_the_place),
         cmocka_unit_test(every_localiser_sees_every_frame_of_the_newest_warmup_once),
