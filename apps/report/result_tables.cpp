@@ -8,6 +8,7 @@
 #include "program/print.hpp"
 #include "program/text_table.hpp"
 #include "report/localisers.hpp"
+#include "report/trust.hpp"
 #include "report/wording.hpp"
 
 namespace vdna::report
@@ -191,7 +192,8 @@ std::string tables_of(const eval::Evaluation &evaluation, bool colour)
             text += (block.begin > 0 ? "\n" : "") + method_table(evaluation, block, method, colour);
     }
     return text + unreachable_text(evaluation) + without_truth_text(evaluation) + "\n" +
-           error_table(evaluation.methods) + "\n" + localiser_tables(evaluation);
+           error_table(evaluation.methods) + "\n" + localiser_tables(evaluation) +
+           (evaluation.trust ? trust_text(*evaluation.trust) : "");
 }
 
 std::string error_table(const std::vector<eval::MethodResult> &methods)

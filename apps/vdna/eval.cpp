@@ -6,6 +6,7 @@
 
 #include "eval/ablation.hpp"
 #include "eval/compare_localisers.hpp"
+#include "eval/trust.hpp"
 #include "program/decimal.hpp"
 #include "program/exit_code.hpp"
 #include "program/replaced_file.hpp"
@@ -41,6 +42,7 @@ struct EvalOptions {
     std::vector<std::string> ablate;
     std::vector<std::string> localisers = eval::usual_localisers;
     std::vector<std::string> drives;
+    bool trust = false;
     std::string cache, json, csv, npy, html;
     std::string command_line; // as given
 };
@@ -192,6 +194,8 @@ void run(const EvalOptions &o)
     evaluation.dataset = o.dataset;
     evaluation.localisers = eval::compare_localisers(evaluation, o.localisers);
     evaluation.drives = drives_of(evaluation, o);
+    if (o.trust)
+        evaluation.trust = eval::evaluate_trust(frames, binning, evaluation);
     std::vector<eval::Ablation> ablations;
     for (const std::string &kind : o.ablate)
         ablations.push_back(eval::ablate(frames, settings, {kind, o.bins, o.warmup, o.range_rule}));
@@ -289,6 +293,10 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
         ->delimiter(',')
         ->check(CLI::IsMember(eval::drive_keys()).description(""))
         ->type_name("NAME");
+    command.add_flag("--trust", o.trust,
+                     "also predict each recall, tell live runs that are like none of the map, end "
+                     "warmups early, and report how well that goes, in maps of 3, 4 and all "
+                     "references");
 }
 
 void add_output_options(CLI::App &command, EvalOptions &o)
