@@ -16,12 +16,6 @@ namespace
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-double recall_percent(double angle)
-{
-    const double sine = std::sin(std::clamp(angle, 0.0, std::acos(0.0)));
-    return 100 * sine * sine;
-}
-
 double mean_of(const std::vector<double> &values)
 {
     return values.empty() ? unknown
@@ -110,6 +104,12 @@ UnlikeScore score_of_kind(const std::vector<UnlikeCase> &cases, const std::strin
 }
 
 } // namespace
+
+double recall_percent(double angle)
+{
+    const double sine = std::sin(std::clamp(angle, 0.0, std::acos(0.0)));
+    return 100 * sine * sine;
+}
 
 void QueryMeans::add(size_t query, double value)
 {

@@ -35,6 +35,9 @@ struct RankedCase {
     std::vector<double> distance; // lower is better; empty: at random, and all is expected
 };
 
+// Of an angle of vdna/trust.h, which may be beyond its limits.
+double recall_percent(double angle);
+
 // The mean over queries of means over their maps; NaNs are left out.
 class QueryMeans
 {

@@ -341,7 +341,8 @@ void add_eval(CLI::App &app)
         "  vdna eval nordland/ --protocol nordland --backbone cosplace_resnet101_128\n"
         "  vdna eval runs/ --ablate bins --bins 10,100,1000\n"
         "  vdna eval runs/ --localisers nn,filter,seqslam,all --html report.html\n"
-        "  vdna eval runs/ --localisers nn,filter --drives plain,varied,replaced,gap,off-route");
+        "  vdna eval runs/ --localisers nn,filter --drives plain,varied,replaced,gap,off-route\n"
+        "  vdna eval runs/ --trust --html report.html");
     command->callback([options, command] {
         options->command_line = command_line_of(*command);
         run(*options);
