@@ -37,9 +37,9 @@
  *    rho; `likeness`, the same on the embeddings of the network's last layer; `recall` outside the
  *    window, of frames that have a label; `distance`, the mean EMD of the window's Visual DNA to
  *    that of all of b. vdna_trust_pair() writes the first three. The distance needs the activations
- *    of a, which no file keeps, so whoever has them writes it. Whoever can follow a as a robot would
- *    may write what it gets in b after a warmup for `recall`, in all windows alike, as our programs
- *    do: a robot does not know the mean of a whole run, so it gets a little less.
+ *    of a, which no file keeps, so whoever has them writes it. Programs that can follow a as a
+ *    robot would may write for `recall` what it gets in b after a warmup, the same in all windows,
+ *    as ours do: a robot does not know the mean of a whole run, so it gets a little less.
  *  - **Correlation time** of a run a: of every two candidates i, j, the difference of rho_i /
  *    mean(rho_i) and rho_j / mean(rho_j), cut into 8 blocks of F / 8 frames: frames of a block *
  *    variance of the block means / variance of the frames. tau_a is the median over the pairs, tau
