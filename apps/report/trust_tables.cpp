@@ -51,22 +51,38 @@ TrustTable rankings_table(const eval::TrustEvaluation &trust, const std::string 
     return table;
 }
 
-TrustTable predictions_table(const eval::TrustEvaluation &trust)
+std::string frames_text(const eval::PredictionScore &score)
 {
-    TrustTable table = {"Predicted recall of the localiser " + trust.truth +
-                            ": mean error in percentage points, beside that of other predictors",
-                        {"references", "warmup", "maps", "predictions", "error", "constant",
-                         "nearest", "transfer", "80 % intervals cover/%", "width", "skill",
-                         "withheld"},
-                        {},
-                        2};
+    return score.frames == 0 ? "full" : std::to_string(score.frames) + " frames";
+}
+
+TrustTable errors_table(const eval::TrustEvaluation &trust)
+{
+    TrustTable table = {
+        "Predicted recall of the localiser " + trust.truth +
+            ": mean error in percentage points, beside that of other predictors",
+        {"references", "warmup", "predictions", "error", "constant", "nearest", "transfer"},
+        {},
+        2};
     for (const eval::PredictionScore &s : trust.predictions)
-        table.rows.push_back(
-            {count_text(s.references),
-             s.frames == 0 ? "full" : std::to_string(s.frames) + " frames", std::to_string(s.maps),
-             std::to_string(s.predictions), mean_text(s.error), mean_text(s.error_constant),
-             mean_text(s.error_nearest), mean_text(s.error_transfer), mean_text(s.coverage),
-             mean_text(s.width), mean_text(s.skill), withheld_text(s)});
+        table.rows.push_back({count_text(s.references), frames_text(s),
+                              std::to_string(s.predictions), mean_text(s.error),
+                              mean_text(s.error_constant), mean_text(s.error_nearest),
+                              mean_text(s.error_transfer)});
+    return table;
+}
+
+TrustTable intervals_table(const eval::TrustEvaluation &trust)
+{
+    TrustTable table = {
+        "80 % intervals of predicted recall, skill of the maps, predictions that were withheld",
+        {"references", "warmup", "maps", "cover/%", "width/%", "skill", "withheld"},
+        {},
+        2};
+    for (const eval::PredictionScore &s : trust.predictions)
+        table.rows.push_back({count_text(s.references), frames_text(s), std::to_string(s.maps),
+                              mean_text(s.coverage), mean_text(s.width), mean_text(s.skill),
+                              withheld_text(s)});
     return table;
 }
 
@@ -123,7 +139,8 @@ const char *const trust_explanation =
 std::vector<TrustTable> trust_tables(const eval::TrustEvaluation &trust)
 {
     std::vector<TrustTable> tables = {rankings_table(trust, trust.truth),
-                                      rankings_table(trust, "filter"), predictions_table(trust)};
+                                      rankings_table(trust, "filter"), errors_table(trust),
+                                      intervals_table(trust)};
     for (const eval::PredictionScore &score : trust.predictions)
         if (score.references == 0 && score.frames == 0)
             tables.push_back(reliability_table(score));

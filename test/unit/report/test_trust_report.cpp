@@ -65,7 +65,8 @@ void the_text_has_every_table(void **)
     const std::string text = report::trust_text(*f.evaluation.trust);
     assert_true(contains(text, "all         transfer  1.00 (0.50 to 2.00)  3.00"));
     assert_true(contains(text, "all         fused_filter  -                4.00"));
-    assert_true(contains(text, "all         full    1     1            7.00 (6.00 to 8.00)"));
+    assert_true(contains(text, "all         full    1            7.00 (6.00 to 8.00)"));
+    assert_true(contains(text, "all         full    1     0.00 (0.00 to 0.00)"));
     assert_true(contains(text, "unlike 1, not labelled 2\n"));
     assert_true(contains(text, "from 80      1            85.00  80.00 (70.00 to 90.00)\n"));
     assert_true(contains(text, "black     3           20    99.00 (98.00 to 100.00)  -"));
