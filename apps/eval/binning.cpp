@@ -122,7 +122,7 @@ Counts Binning::counts_of(size_t traversal, const std::vector<float> &range, uin
     const std::string key = key_of(how, traversal, frames) + ".counts";
     if (std::optional<Counts> found = find_counts(key, bins))
         return std::move(*found);
-    Counts counted = count(traversal, range, bins);
+    Counts counted = counts_of(traversal, range, bins, 0, frames);
     if (counted.is_worth_keeping()) {
         std::string bytes;
         pack_counts(bytes, counted);
@@ -143,11 +143,12 @@ std::optional<Counts> Binning::find_counts(const std::string &key, uint32_t bins
     return found;
 }
 
-Counts Binning::count(size_t traversal, const std::vector<float> &range, uint32_t bins)
+Counts Binning::counts_of(size_t traversal, const std::vector<float> &range, uint32_t bins,
+                          uint32_t first, uint32_t frames)
 {
     const Traversal &t = frames_.traversals()[traversal];
     Histogram histogram(range, bins);
-    for (uint32_t i = 0; i < t.recording.frames; i++) {
+    for (uint32_t i = first; i < first + frames; i++) {
         program::require_not_interrupted();
         const std::vector<vdna_activations> &taps = activations_of(traversal, i);
         histogram.add(taps.data(), taps.size(), t.name);

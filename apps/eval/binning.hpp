@@ -28,6 +28,9 @@ class Binning
     std::vector<float> range_of(const std::vector<size_t> &traversals);
     // Of all frames of a traversal.
     Counts counts_of(size_t traversal, const std::vector<float> &range, uint32_t bins);
+    // Of some that follow one another; not cached.
+    Counts counts_of(size_t traversal, const std::vector<float> &range, uint32_t bins,
+                     uint32_t first, uint32_t frames);
 
     // The counted activations of one frame; borrowed until the next call.
     const std::vector<vdna_activations> &activations_of(size_t traversal, uint32_t frame);
@@ -37,7 +40,6 @@ class Binning
   private:
     const std::vector<float> &observed(size_t traversal);
     std::vector<float> observe(size_t traversal);
-    Counts count(size_t traversal, const std::vector<float> &range, uint32_t bins);
     std::optional<Counts> find_counts(const std::string &key, uint32_t bins) const;
 
     Frames &frames_;

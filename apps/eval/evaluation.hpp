@@ -13,6 +13,7 @@
 
 #include "eval/bootstrap.hpp"
 #include "eval/confidence.hpp"
+#include "eval/trust_evaluation.hpp"
 #include "record/localisation.hpp"
 #include "record/projection.hpp"
 #include "record/recording.hpp"
@@ -134,6 +135,7 @@ struct Evaluation {
     std::vector<LocaliserResult> localisers; // in the drives as recorded
     std::vector<LocaliserResult> drives;     // in the drives asked for, drive by drive
     std::optional<Reselection> reselection;  // if asked for
+    std::optional<TrustEvaluation> trust;    // if asked for
 };
 
 // Distances of the embeddings, [live frames][map frames]: the difference matrix.

@@ -100,7 +100,11 @@ void Frames::compute(const std::vector<uint8_t> &picture, const std::string &key
                      const std::string &name)
 {
     const vdna_image encoded = {picture.data(), picture.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
-    const vdna_image image = frames::camera_image(encoded, name, converter_);
+    frame_cache_.store(key, output_of(frames::camera_image(encoded, name, converter_), name));
+}
+
+vdna_backbone_frame Frames::output_of(const vdna_image &image, const std::string &name)
+{
     vdna_error error{};
     vdna_backbone_frame output;
     const vdna_status status = vdna_backbone_run(backbone_.get(), &image, &error, &output);
@@ -109,7 +113,7 @@ void Frames::compute(const std::vector<uint8_t> &picture, const std::string &key
         throw frames::BadFrame(sentence);
     if (status != VDNA_OK)
         throw Error(sentence);
-    frame_cache_.store(key, output);
+    return output;
 }
 
 const std::vector<vdna_activations> &Frames::taps(size_t traversal, uint32_t frame)

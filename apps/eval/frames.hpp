@@ -39,6 +39,9 @@ class Frames
     const std::vector<std::string> &keys(size_t traversal) const { return keys_[traversal]; }
     // The activations of one frame; borrowed until the next call. Throws Error.
     const std::vector<vdna_activations> &taps(size_t traversal, uint32_t frame);
+    // What the network gives for a picture that is no frame, which is not cached; borrowed until
+    // the next call. name: for the error. Throws Error.
+    vdna_backbone_frame output_of(const vdna_image &image, const std::string &name);
 
   private:
     void record(const frames::DatasetTraversal &from, Traversal &to, std::vector<std::string> &keys,

@@ -16,6 +16,7 @@
 
 #include "program/interrupt.hpp"
 #include "program/progress.hpp"
+#include "record/played_recall.hpp"
 #include "record/truth.hpp"
 
 namespace vdna::record
@@ -114,7 +115,7 @@ class TableMaker
   public:
     TableMaker(const Members &experiences, double tolerance, const WindowDistance &distance,
                const KnownTables &known)
-        : tolerance_(tolerance), distance_(distance), known_(known),
+        : experiences_(experiences), tolerance_(tolerance), distance_(distance), known_(known),
           localiser_(trust_localiser_of(*experiences.front())), row_(experiences.size())
     {
         for (const vdna_experience *experience : experiences)
@@ -164,6 +165,7 @@ class TableMaker
             }
             program::require_not_interrupted();
             play(runs_[a], runs_[b], relative, cells[b]);
+            play_on(*experiences_[a], *experiences_[b], cells[b]);
             made.push_back(b);
         }
         add_distances(a, made, cells);
@@ -183,6 +185,17 @@ class TableMaker
         require(vdna_trust_pair(&a, &b, tolerance_, localiser_, scratch_.data(),
                                 scratch_.size() * sizeof(double), &relative[before], &cell),
                 live.name + " in " + candidate.name);
+    }
+
+    // In place of the recall outside of each window, which knows the whole run's mean. What is not
+    // known stays so.
+    void play_on(const vdna_experience &live, const vdna_experience &candidate,
+                 vdna_trust_cell &cell) const
+    {
+        const double recall = played_recall(live, candidate, tolerance_);
+        for (double &of_window : cell.recall)
+            if (!std::isnan(of_window) && !std::isnan(recall))
+                of_window = recall;
     }
 
     void add_distances(size_t a, const std::vector<size_t> &candidates,
@@ -208,6 +221,7 @@ class TableMaker
         return time;
     }
 
+    const Members &experiences_;
     double tolerance_;
     const WindowDistance &distance_;
     const KnownTables &known_;

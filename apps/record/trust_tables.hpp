@@ -19,7 +19,8 @@ struct TrustTables {
     std::vector<uint32_t> frames;       // [runs]
     std::vector<double> own_scale;      // [runs]
     std::vector<double> correlation;    // [runs]
-    std::vector<vdna_trust_cell> cells; // [runs][runs], NaN on the diagonal
+    std::vector<vdna_trust_cell> cells; // [runs][runs], NaN on the diagonal; `recall` is that of
+                                        // played_recall(), the same in all windows
 
     vdna_trust_tables view() const; // borrowed
 };

@@ -243,7 +243,8 @@ std::string diagonal_chart(const std::string &x_label, double x_end, const std::
     svg += line(x_of(x, 0), y_of(y, 0), x_of(x, x_end), y_of(y, y_end));
     svg += path(points, x, y, "stroke=\"" + series_colour(0, 1) + "\"");
     for (const Point &point : points)
-        svg += dot(x, y, point, 1);
+        svg += whisker({point.y, point.low, point.high, point.label}, x_of(x, point.x), y,
+                       series_colour(0, 1));
     return drawing(y_label + " against " + x_label, svg);
 }
 

@@ -1,6 +1,7 @@
 // Charts as inline SVG, in the colours of the page.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@ struct Point {
     double x, y;
     size_t series;     // determines the colour
     std::string label; // tooltip
+    // Of y; not drawn if NaN, or but for diagonal_chart().
+    double low = std::numeric_limits<double>::quiet_NaN(), high = low;
 };
 
 struct Curve {

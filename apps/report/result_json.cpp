@@ -5,6 +5,7 @@
 #include "eval/placing.hpp"
 #include "report/localisers.hpp"
 #include "report/reselection.hpp"
+#include "report/trust.hpp"
 #include "report/wording.hpp"
 
 namespace vdna::report
@@ -125,6 +126,14 @@ std::string localiser_cells(const eval::Evaluation &evaluation, const LocaliserR
     return cells;
 }
 
+std::string prediction_columns(const eval::TrustPair &pair)
+{
+    std::string cells;
+    for (const double value : prediction_cells(pair))
+        cells += "," + (std::isnan(value) ? "" : program::Json(value).dump());
+    return cells;
+}
+
 std::string end_of_row(const eval::Outcome &outcome, const std::string &note)
 {
     return "," + std::to_string(outcome.matches.size() - outcome.judged) + "," + quoted(note) +
@@ -181,6 +190,8 @@ program::Json json_of(const eval::Evaluation &evaluation,
         json["drives"] = drives_json(evaluation);
     if (evaluation.reselection)
         json["reselection"] = reselection_json(evaluation);
+    if (evaluation.trust)
+        json["trust"] = trust_json(evaluation);
     for (const eval::Ablation &ablation : ablations) {
         program::Json &rows = json["ablations"][ablation.kind] = program::Json::array();
         for (const eval::AblationRow &row : ablation.rows)
@@ -197,10 +208,13 @@ std::string csv_of(const eval::Evaluation &evaluation)
             csv += "," + quoted("distance_" + method.name);
     for (const size_t i : beyond_usual_localisers(evaluation))
         csv += "," + quoted("recall_percent_" + evaluation.localisers[i].name);
+    for (size_t i = 0; evaluation.trust && i < prediction_heads.size(); i++)
+        csv += "," + prediction_heads[i] + "_percent";
     csv += ",without_truth,note\n";
     const std::vector<LocaliserRow> rows = localiser_rows(evaluation);
     auto row = rows.begin();
     const size_t columns = evaluation.references.size();
+    size_t predicted = 0;
     for (size_t q = 0; q < evaluation.queries.size(); q++) {
         const eval::QueryResult &query = evaluation.queries[q];
         const std::string &name = name_of(evaluation, query.traversal);
@@ -213,13 +227,17 @@ std::string csv_of(const eval::Evaluation &evaluation)
             for (const eval::MethodResult &method : evaluation.methods)
                 if (!method.distance.empty())
                     csv += "," + program::Json(method.distance[cell]).dump();
-            csv += localiser_cells(evaluation, *row++) + end_of_row(pair->outcome, "");
+            csv += localiser_cells(evaluation, *row++);
+            if (evaluation.trust)
+                csv += prediction_columns(evaluation.trust->pairs[predicted++]);
+            csv += end_of_row(pair->outcome, "");
             ++pair;
         }
         csv += csv_row(name, "all", query.all);
         for (const eval::MethodResult &method : evaluation.methods)
             csv += method.distance.empty() ? "" : ",";
         csv += localiser_cells(evaluation, *row++) +
+               std::string(evaluation.trust ? prediction_heads.size() : 0, ',') +
                end_of_row(query.all, eval::truth_ranks(evaluation, q) ? "" : ranks_nothing);
     }
     return csv;

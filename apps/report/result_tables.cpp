@@ -9,6 +9,7 @@
 #include "program/text_table.hpp"
 #include "report/localisers.hpp"
 #include "report/reselection.hpp"
+#include "report/trust.hpp"
 #include "report/wording.hpp"
 
 namespace vdna::report
@@ -193,7 +194,8 @@ std::string tables_of(const eval::Evaluation &evaluation, bool colour)
     }
     return text + unreachable_text(evaluation) + without_truth_text(evaluation) + "\n" +
            error_table(evaluation.methods) + "\n" + localiser_tables(evaluation) +
-           (evaluation.reselection ? reselection_table(evaluation) : "");
+           (evaluation.reselection ? reselection_table(evaluation) : "") +
+           (evaluation.trust ? trust_text(*evaluation.trust) : "");
 }
 
 std::string error_table(const std::vector<eval::MethodResult> &methods)

@@ -29,6 +29,9 @@ std::string correlation_section(const eval::Evaluation &evaluation);
 // The localisers side by side, with their confidence.
 std::string localisers_section(const eval::Evaluation &evaluation);
 
+// Trust in the choice; "" if it was not asked for.
+std::string trust_section(const eval::Evaluation &evaluation);
+
 // Pictures of right and wrong matches in the first choice. Reads picture files.
 std::string matches_section(const eval::Evaluation &evaluation);
 

@@ -7,6 +7,7 @@
 #include "eval/ablation.hpp"
 #include "eval/compare_localisers.hpp"
 #include "eval/reselection.hpp"
+#include "eval/trust.hpp"
 #include "program/decimal.hpp"
 #include "program/exit_code.hpp"
 #include "program/replaced_file.hpp"
@@ -43,6 +44,7 @@ struct EvalOptions {
     std::vector<std::string> localisers = eval::usual_localisers;
     std::vector<std::string> drives;
     std::vector<std::string> reselect;
+    bool trust = false;
     std::string cache, json, csv, npy, html;
     std::string command_line; // as given
 };
@@ -196,6 +198,8 @@ void run(const EvalOptions &o)
     evaluation.drives = drives_of(evaluation, o);
     if (!o.reselect.empty())
         evaluation.reselection = eval::choose_again(evaluation, o.reselect);
+    if (o.trust)
+        evaluation.trust = eval::evaluate_trust(frames, binning, evaluation);
     std::vector<eval::Ablation> ablations;
     for (const std::string &kind : o.ablate)
         ablations.push_back(eval::ablate(frames, settings, {kind, o.bins, o.warmup, o.range_rule}));
@@ -300,6 +304,10 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
                     "summer+dusk+night; one name alone is a drive whose look does not change")
         ->delimiter(',')
         ->type_name("NAME+NAME");
+    command.add_flag("--trust", o.trust,
+                     "also predict each recall, tell live runs that are like none of the map, end "
+                     "warmups early, and report how well that goes, in maps of 3, 4 and all "
+                     "references");
 }
 
 void add_output_options(CLI::App &command, EvalOptions &o)
@@ -345,7 +353,8 @@ void add_eval(CLI::App &app)
         "  vdna eval runs/ --ablate bins --bins 10,100,1000\n"
         "  vdna eval runs/ --localisers nn,filter,seqslam,all --html report.html\n"
         "  vdna eval runs/ --localisers nn,filter --drives plain,varied,replaced,gap,off-route\n"
-        "  vdna eval runs/ --reselect summer+dusk+night,summer");
+        "  vdna eval runs/ --reselect summer+dusk+night,summer\n"
+        "  vdna eval runs/ --trust --html report.html");
     command->callback([options, command] {
         options->command_line = command_line_of(*command);
         run(*options);

@@ -219,6 +219,9 @@ void vdna_trust_transfer(const vdna_trust_model *model, const uint32_t *ids, uin
 
 /* ---- Errors, each run being left out in turn ---- */
 
+/* Errors of recall below this are none. */
+static const double trust_rounding = 1e-9;
+
 /* Sums over the runs. */
 typedef struct errors {
     double ratio, ratio_best; /* squares over the variance expected; of the best alone */
@@ -306,5 +309,5 @@ void vdna_trust_model_fit(vdna_trust_model *model, const vdna_trust_tables *tabl
     out_fit->sd = vdna_sqrt(weight * (prior_runs + sums.ratio));
     out_fit->sd_best = vdna_sqrt(weight * (prior_runs + worse));
     out_fit->quantile = quantiles[labelled < last ? labelled : last];
-    out_fit->skill = sums.off_means > 0 ? 1 - sums.off / sums.off_means : 0;
+    out_fit->skill = sums.off_means > trust_rounding ? 1 - sums.off / sums.off_means : 0;
 }

@@ -14,6 +14,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -23,6 +24,11 @@ import numpy as np
 
 VDNA = Path(os.environ["VDNA_BIN"]) / "vdna"
 DATA = Path(os.environ["VDNA_SHARED"]) / "data"
+sys.path.insert(0, str(DATA.parent / "reference"))
+try:
+    import predict
+except ImportError:
+    predict = None
 
 
 def vdna(*arguments, **options):
@@ -287,6 +293,137 @@ class Agreement(Evaluation):
 
     def test_a_robots_route_in_autumn_and_snow_agrees_with_numpy(self):
         self.agrees(self.real_pictures("stromovka"), "--stride", 2)
+
+
+class Trust(Evaluation):
+    """`--trust` against the reference implementation of predictions, in $VDNA_SHARED/reference.
+
+    The recall that a stored run gets in another is that which it gets as a query, if its warmup is
+    two fifths of it.
+    """
+
+    def placed_drives(self, *conditions):
+        """Rendered drives whose frames are numbered places."""
+        dataset = self.drives(*conditions, frames=36)
+        for labels in dataset.glob("*/labels.csv"):
+            files = [line.split(",")[0] for line in labels.read_text().splitlines()[1:]]
+            labels.write_text("file,place\n" + "".join(
+                f"{file},{place}\n" for place, file in enumerate(files)))
+        return dataset
+
+    def tried(self, *arguments):
+        result = self.evaluate(*arguments, "--trust", "--localisers", "nn,centred", "--npy",
+                               self.folder / "npy", "--csv", self.folder / "result.csv", "--html",
+                               self.folder / "report.html")
+        return result, result["trust"]
+
+    def reference_agrees(self, found, query):
+        result, pairs = found.json, found.json["trust"]["pairs"][query]
+        names, warmup = list(pairs), int(result["warmup"])
+        runs = [found.load("embeddings_" + name).astype(np.float64) for name in names]
+        table = found.load("range_" + query)
+        tapped = [found.load("last_layer_" + name) for name in names]
+        counts = [histogram(rows, table, result["bins"]) for rows in tapped]
+        at = {run[i].tobytes(): (a, i) for a, run in enumerate(runs) for i in range(len(run))}
+
+        def distance(frames, b):
+            a, first = at[frames[0].tobytes()]
+            window = histogram(tapped[a][first:first + len(frames)], table, result["bins"])
+            return emd(window, counts[b]).mean()
+
+        def correct(live, _, run, *__):
+            a, b = at[live[0].tobytes()][0], at[run[0].tobytes()][0]
+            recalled = result["localisers"]["centred"]["recall"][names[a]][names[b]]
+            return np.full(len(live), recalled / 100)
+
+        predict.correct = correct
+        known = predict.calibrate(runs, [found.truth(name).astype(float) for name in names],
+                                  result["tolerance"], distance)
+        live = found.load("embeddings_" + query).astype(np.float64)[:warmup]
+        recalls = predict.predict(known, live, runs,
+                                  [result["distance"]["vdna"][query][name] for name in names])
+        for i, name in enumerate(names):
+            if pairs[name]["reason"] == "":
+                np.testing.assert_allclose(
+                    [pairs[name][key] for key in ("predicted", "low", "high")],
+                    [100 * values[i] for values in recalls], atol=1e-5, err_msg=f"{query} {name}")
+
+    def scores_agree(self, result):
+        """Those of maps of all references, from what each pair has."""
+        trust, errors, coverage = result["trust"], [], []
+        for query, row in trust["pairs"].items():
+            told = [pair for pair in row.values() if pair["reason"] == ""]
+            for name, pair in row.items():
+                self.assertEqual(pair["achieved"],
+                                 result["localisers"]["centred"]["recall"][query][name])
+            if told:
+                errors.append([np.mean([abs(pair[by] - pair["achieved"]) for pair in told])
+                               for by in ("predicted", "constant", "nearest", "transfer")])
+                coverage.append(100 * np.mean([pair["low"] <= pair["achieved"] <= pair["high"]
+                                               for pair in told]))
+        (score,) = [score for score in trust["predictions"]
+                    if (score["references"], score["warmup"]) == ("all", "full")]
+        for i, key in enumerate(("error", "error_constant", "error_nearest", "error_transfer")):
+            values = [row[i] for row in errors]
+            np.testing.assert_allclose([score[key][of] for of in ("mean", "low", "high")],
+                                       [np.mean(values), *interval(values)], rtol=1e-9)
+        np.testing.assert_allclose(score["coverage_percent"]["mean"], np.mean(coverage))
+        told = sum(pair["reason"] == "" for row in trust["pairs"].values() for pair in row.values())
+        self.assertEqual(score["predictions"], told)
+        self.assertEqual(sum(score["withheld"].values()),
+                         sum(len(row) for row in trust["pairs"].values()) - told)
+
+    def test_predictions_are_those_of_the_reference(self):
+        if predict is None:
+            self.skipTest(f"no reference beside {DATA}; set VDNA_SHARED")
+        dataset = self.placed_drives("summer", "autumn", "overcast", "rain", "night")
+        result, trust = self.tried(dataset, "--warmup", 14, "--tolerance", 1, "--bins", 50)
+        self.assertGreater(trust["predictions"][-2]["predictions"], 10)
+        found = Exported(self.folder)
+        for query in found.queries:
+            self.reference_agrees(found, query)
+        self.scores_agree(result)
+
+    def test_disturbed_cameras_are_like_nothing_in_the_map(self):
+        dataset = self.placed_drives("summer", "autumn", "overcast", "rain")
+        _, trust = self.tried(dataset, "--warmup", 12, "--tolerance", 1)
+        unlike = {score["live"]: score["unlike_percent"]["mean"] for score in trust["unlike"]
+                  if score["references"] == "all"}
+        self.assertEqual([unlike[live] for live in ("black", "white", "noise", "blur")], [100] * 4)
+
+    def test_conditions_are_left_out_by_name(self):
+        dataset = self.placed_drives("summer", "autumn", "overcast")
+        (dataset / "autumn").rename(dataset / "summer_2")
+        _, trust = self.tried(dataset, "--warmup", 12, "--tolerance", 1)
+        maps = {score["live"]: score["maps"] for score in trust["unlike"]}
+        self.assertEqual(maps["condition left out: summer"], 2)
+        self.assertEqual(maps["condition left out: overcast"], 1)
+        self.assertEqual(maps["its condition is in the map"], 2)
+
+    def test_every_output_has_the_predictions(self):
+        dataset = self.placed_drives("summer", "autumn", "overcast", "rain")
+        result, _ = self.tried(dataset, "--warmup", 12, "--tolerance", 1)
+        lines = (self.folder / "result.csv").read_text().splitlines()
+        head = lines[0].split(",")
+        pair = result["trust"]["pairs"]["summer"]["rain"]
+        for line in lines[1:]:
+            cells = dict(zip(head, line.split(","), strict=True))
+            if (cells["query"], cells["reference"]) == ("summer", "rain"):
+                self.assertEqual(float(cells["predicted_percent"]), pair["predicted"])
+            self.assertEqual(cells["achieved_percent"] == "", cells["reference"] == "all")
+        self.assertIn("Trust in the choice", (self.folder / "report.html").read_text())
+        printed = vdna("eval", dataset, "--trust", "--warmup", 12, "--tolerance", 1, "--cache",
+                       self.cache).stdout
+        for title in ("Rankings, judged by Recall@1 of the localiser filter", "Predicted recall",
+                      "Reliability of predictions", "unlike all of the map", "Warmups that end"):
+            self.assertIn(title, printed)
+
+    def test_two_traversals_are_too_few_to_predict(self):
+        dataset = self.placed_drives("summer", "autumn")
+        _, trust = self.tried(dataset, "--warmup", 12, "--tolerance", 1)
+        (score, _) = trust["predictions"]
+        self.assertEqual((score["predictions"], score["error"]["mean"]), (0, None))
+        self.assertEqual(list(score["withheld"].values()), [2])
 
 
 class OwnSet(Evaluation):

@@ -37,7 +37,9 @@
  *    rho; `likeness`, the same on the embeddings of the network's last layer; `recall` outside the
  *    window, of frames that have a label; `distance`, the mean EMD of the window's Visual DNA to
  *    that of all of b. vdna_trust_pair() writes the first three. The distance needs the activations
- *    of a, which no file keeps, so whoever has them writes it.
+ *    of a, which no file keeps, so whoever has them writes it. Programs that can follow a as a
+ *    robot would may write for `recall` what it gets in b after a warmup, the same in all windows,
+ *    as ours do: a robot does not know the mean of a whole run, so it gets a little less.
  *  - **Correlation time** of a run a: of every two candidates i, j, the difference of rho_i /
  *    mean(rho_i) and rho_j / mean(rho_j), cut into 8 blocks of F / 8 frames: frames of a block *
  *    variance of the block means / variance of the frames. tau_a is the median over the pairs, tau
@@ -71,8 +73,8 @@
  *    the mean is over those predicted best, and d at least that of the others. q is the 0.9
  *    quantile of Student's t of L + 1 degrees of freedom, from 30 on that of 30.
  *  - **Skill** = 1 - mean |R - predicted| / mean |R - mean of the candidate's column|, over the
- *    same left-out runs; 0 if the latter is 0. At 0 or below, distances tell no more of recall
- *    than the candidates' means do.
+ *    same left-out runs; 0 if the latter, summed over these, is at most 1e-9. At 0 or below,
+ *    distances tell no more of recall than the candidates' means do.
  *  - **Unlike**: ln of the mean rho of the live frames to the nearest candidate, minus the largest
  *    such value of a stored run a (mean over its windows of the least ln `likeness` of other runs),
  *    is above 0.10. Where some cell has no `likeness`, on `nearest`, above 0.20 (EUCLIDEAN 0.10).

@@ -39,7 +39,7 @@ ROOMS = {
     "apps/eval": (9, ["apps/frames", "apps/program", "apps/record", "lib/backbone", "lib/baseline",
                       "lib/core", "lib/cpp", "lib/localise", "lib/trust"]),
     "apps/report": (10, ["apps/eval", "apps/frames", "apps/program", "apps/record", "lib/core",
-                         "lib/picture"]),
+                         "lib/picture", "lib/trust"]),
     "apps/vdna": (11, ["apps/eval", "apps/frames", "apps/program", "apps/record", "apps/report",
                        "apps/simulate", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
                        "lib/geodesy", "lib/localise", "lib/transport"]),
