@@ -5,6 +5,7 @@
 
 #include <arpa/inet.h>
 #include <httplib.h>
+#include <sys/socket.h>
 #include <nlohmann/json.hpp>
 
 #include "page_files.hpp"
@@ -81,8 +82,18 @@ std::string commands_json()
     return json.dump();
 }
 
+// A second server on our port must fail. What a viewer does not read waits in the system, at most
+// this much of it, before it counts as gone.
+void set_options(int listening)
+{
+    const int yes = 1, unread_bytes = 64 * 1024;
+    setsockopt(listening, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    setsockopt(listening, SOL_SOCKET, SO_SNDBUF, &unread_bytes, sizeof unread_bytes);
+}
+
 void configure(httplib::Server &server)
 {
+    server.set_socket_options(set_options);
     server.new_task_queue = [] { return new httplib::ThreadPool(3 * PageServer::viewers_max); };
     server.set_tcp_nodelay(true);
     server.set_keep_alive_timeout(2);
@@ -152,12 +163,13 @@ void PageServer::serve_events(Response &response)
     }
     const auto leave = [this](bool) { viewers_--; };
     const auto send = [this, seen = uint64_t{0}](size_t, httplib::DataSink &sink) mutable {
-        const LiveState::News news = state_.news_after(seen, patience);
+        LiveState::News news = state_.news_after(seen, patience);
         if (state_.is_closed())
             return false;
         seen = news.seen;
-        const std::string text = news.text.empty() ? ":\n\n" : news.text;
-        if (!sink.write(text.data(), text.size()))
+        if (news.text.empty())
+            news.text = ":\n\n"; // a comment
+        if (!sink.write(news.text.data(), news.text.size()))
             return false;
         state_.pause(pace);
         return true;
