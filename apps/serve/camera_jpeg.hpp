@@ -32,7 +32,7 @@ class CameraJpeg
     vdna_pixels small_enough(const vdna_pixels &pixels);
 
     std::unique_ptr<vdna_decoder, CloseDecoder> decoder_;
-    picture::Size size_{0, 0};                       // that resampler_ makes
+    picture::Size size_{0, 0};                      // that resampler_ makes
     std::unique_ptr<picture::Resampler> resampler_; // null until it is needed
     std::string small_;                             // pixels
 };

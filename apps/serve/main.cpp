@@ -1,12 +1,11 @@
-// vdna_serve - shows a running vdna_selectord in a browser. A program of its own, run by `vdna serve`:
-// so it needs neither a network nor OpenCV, and ends nothing if it ends.
+// vdna_serve - shows a running vdna_selectord in a browser. A program of its own, run by `vdna
+// serve`: so it needs neither a network nor OpenCV, and ends nothing if it ends.
 #include <cstdio>
 #include <iostream>
 #include <random>
 
-#include <malloc.h>
-
 #include <CLI/CLI.hpp>
+#include <malloc.h>
 
 #include <vdna/version.h>
 
@@ -63,9 +62,7 @@ std::string url_of(const Options &options, int port, const std::string &token)
 {
     const bool any = options.address == "0.0.0.0" || options.address == "::";
     const bool v6 = !any && options.address.find(':') != std::string::npos;
-    const std::string host = any  ? "127.0.0.1"
-                             : v6 ? "[" + options.address + "]"
-                                  : options.address;
+    const std::string host = any ? "127.0.0.1" : v6 ? "[" + options.address + "]" : options.address;
     return "http://" + host + ":" + std::to_string(port) + "/#" + token;
 }
 
@@ -87,8 +84,11 @@ void serve(const Options &options)
                  "page's buttons:"
               << std::endl;
     std::cout << url_of(options, server.port(), token) << std::endl;
-    while (!program::interrupted())
+    while (!program::interrupted() && !server.has_ended())
         reception.run_once(server.viewers());
+    if (server.has_ended())
+        throw Error(
+            "the page can no longer be served: the system refuses connections; start again");
 }
 
 void add_options(CLI::App &app, Options &options)
@@ -129,10 +129,11 @@ int main(int argc, char **argv)
     // Threads that share their heaps: half the memory.
     mallopt(M_ARENA_MAX, 1);
     vdna::program::catch_interrupts();
-    CLI::App app("Show a running vdna_selectord in a browser: what the camera sees, which experience "
-                 "is chosen and why, how sure the places are, and what is wrong. Nothing comes "
-                 "from another machine. Ends with Ctrl-C.",
-                 "vdna serve");
+    CLI::App app(
+        "Show a running vdna_selectord in a browser: what the camera sees, which experience "
+        "is chosen and why, how sure the places are, and what is wrong. Nothing comes "
+        "from another machine. Ends with Ctrl-C.",
+        "vdna serve");
     app.set_version_flag("--version", std::string("vdna_serve ") + vdna_version());
     app.footer("Example:\n  vdna serve --port 8070\nFrom another machine, through ssh:\n  "
                "ssh -L 8070:127.0.0.1:8070 ROBOT vdna serve");

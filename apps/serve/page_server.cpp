@@ -5,8 +5,8 @@
 
 #include <arpa/inet.h>
 #include <httplib.h>
-#include <sys/socket.h>
 #include <nlohmann/json.hpp>
+#include <sys/socket.h>
 
 #include "page_files.hpp"
 
@@ -20,8 +20,8 @@ using namespace std::chrono_literals;
 using httplib::Request;
 using httplib::Response;
 
-constexpr auto pace = 200ms;   // between the events of a viewer
-constexpr auto patience = 5s;  // without events, before a sign of life
+constexpr auto pace = 200ms;  // between the events of a viewer
+constexpr auto patience = 5s; // without events, before a sign of life
 constexpr int forbidden = 403;
 
 void refuse(Response &response, int status, const std::string &sentence)
@@ -131,13 +131,16 @@ PageServer::PageServer(ServerSettings settings, LiveState &state)
     if (port_ < 0)
         throw Error(address + ": cannot listen on port " + std::to_string(settings_.port) +
                     "; choose a free one by --port, and an address of this machine by --address");
-    thread_ = std::thread([this] { server_->listen_after_bind(); });
+    thread_ = std::thread([this] {
+        server_->listen_after_bind();
+        ended_ = true;
+    });
 }
 
 PageServer::~PageServer()
 {
     state_.close();
-    while (!server_->is_running()) // stop() before that is lost
+    while (!server_->is_running() && !ended_) // stop() before that is lost
         std::this_thread::sleep_for(1ms);
     server_->stop();
     thread_.join();
@@ -192,9 +195,8 @@ void PageServer::take_command(const Request &request, Response &response)
     if (!equal(request.get_header_value("X-Vdna-Token"), settings_.token))
         return refuse(response, forbidden, "the token is wrong; open the address that was printed");
     const auto &all = telemetry::commands();
-    const auto command = std::find_if(all.begin(), all.end(), [&](const auto &known) {
-        return request.body == known.name;
-    });
+    const auto command = std::find_if(
+        all.begin(), all.end(), [&](const auto &known) { return request.body == known.name; });
     if (command == all.end())
         return refuse(response, 400, "there is no such command");
     try {

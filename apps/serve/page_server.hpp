@@ -42,6 +42,8 @@ class PageServer
 
     int port() const { return port_; }
     size_t viewers() const { return viewers_; }
+    // The system took the port away; nothing is served any more.
+    bool has_ended() const { return ended_; }
 
     static constexpr size_t viewers_max = 16; // each has a thread; others are told to come back
 
@@ -56,6 +58,7 @@ class PageServer
     std::unique_ptr<httplib::Server> server_;
     int port_ = 0;
     std::atomic<size_t> viewers_{0};
+    std::atomic<bool> ended_{false};
     std::mutex sending_;
     std::thread thread_;
 };

@@ -103,11 +103,9 @@ void Reception::take(const vdna_listener_message &message)
     const telemetry::View &view = telemetry::view_of(*message.type);
     const std::string kind = view.name;
     Json json = view.json(message.data);
-    Json &newest = kind == "ranking"        ? ranking_
-                   : kind == "localisation" ? localisation_
-                                            : status_;
-    const bool restarted = newest.is_object() && newest.value("instance", Json()) !=
-                                                     json.value("instance", Json());
+    Json &newest = kind == "ranking" ? ranking_ : kind == "localisation" ? localisation_ : status_;
+    const bool restarted =
+        newest.is_object() && newest.value("instance", Json()) != json.value("instance", Json());
     newest = std::move(json);
     put(view.name, newest);
     if (kind == "localisation") {

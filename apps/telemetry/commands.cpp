@@ -23,8 +23,8 @@ void send_command(const Connection &connection, const std::string &channel, cons
     message.utime = program::wall_us();
     message.command = command.value;
     message.argument = no_argument;
-    const vdna_status status = vdna_transport_publish(connection.get(), channel.c_str(),
-                                                      &vdna_message_command, &message);
+    const vdna_status status =
+        vdna_transport_publish(connection.get(), channel.c_str(), &vdna_message_command, &message);
     if (status != VDNA_OK)
         throw Error(channel + ": the command cannot be sent: " + vdna_status_text(status) +
                     "; " VDNA_LCM_REMEDY);

@@ -46,7 +46,8 @@ std::string reason_of(const Json &ranking, const Json &entries)
     if (entries.size() == 1)
         return "because the map has no other experience";
     const Json &second = entries[1];
-    const double gain = number_of(first, "predicted_recall") - number_of(second, "predicted_recall");
+    const double gain =
+        number_of(first, "predicted_recall") - number_of(second, "predicted_recall");
     const std::string rule = text_of(ranking, "ranked_by"), next = text_of(second, "experience");
     if (!rule.empty() && rule != "emd" && std::isfinite(gain))
         return "because " + prediction_of(first) + ", in " + next + " " + percent(std::abs(gain)) +
@@ -77,7 +78,8 @@ std::string with_reason(const std::string &clause, const Json &status)
 Headline headline(const Json &status, const Json &ranking, double silent_s)
 {
     if (!status.is_object())
-        return {"wait", "Nothing heard from vdna_selectord yet: is it running, on this LCM network?"};
+        return {"wait",
+                "Nothing heard from vdna_selectord yet: is it running, on this LCM network?"};
     if (silent_s > silence_max_s)
         return {"bad", "Nothing heard from vdna_selectord for " + fixed(silent_s, 0) +
                            " s: it has ended, or the network is gone."};
@@ -91,7 +93,8 @@ Headline headline(const Json &status, const Json &ranking, double silent_s)
         return {"doubt",
                 "Unsure of the place, localising in " + choice + because(ranking, choice) + "."};
     if (state == "NONE_FITS")
-        return {"doubt", with_reason("No experience fits, " + choice + " is the least bad", status)};
+        return {"doubt",
+                with_reason("No experience fits, " + choice + " is the least bad", status)};
     if (state == "STALE")
         return {"bad", with_reason("No place is known", status)};
     if (state == "DEGRADED")

@@ -13,9 +13,8 @@ struct Headline {
     std::string text;
 };
 
-// status, ranking: the newest messages as View::json gives them, null if none has come; members that
-// an older daemon does not send may be missing.
-// silent_s: since the status came
+// status, ranking: the newest messages as View::json gives them, null if none has come; members
+// that an older daemon does not send may be missing. silent_s: since the status came
 Headline headline(const nlohmann::ordered_json &status, const nlohmann::ordered_json &ranking,
                   double silent_s);
 

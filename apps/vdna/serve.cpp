@@ -35,8 +35,9 @@ void add_serve(CLI::App &app)
     CLI::App *command = app.add_subcommand("serve", "Show a running vdna_selectord in a browser");
     command->set_help_flag(); // all options are its own, --help too
     command->prefix_command();
-    command->callback(
-        [command] { become(backbone::beside_program("vdna_serve").string(), command->remaining()); });
+    command->callback([command] {
+        become(backbone::beside_program("vdna_serve").string(), command->remaining());
+    });
 }
 
 } // namespace vdna::tool

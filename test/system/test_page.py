@@ -136,7 +136,7 @@ class Page(unittest.TestCase):
             self.assertIn("tied", second)
             self.assertIn("–", third)
             self.assertEqual(self.browser.value("document.querySelectorAll('.bar b').length"), 2)
-            self.browser.wait_for(text_of("problems") + ".includes('1 experiences damaged')")
+            self.browser.wait_for(text_of("problems") + ".includes('Damaged experiences left out: 1')")
             self.browser.value("raw.open = true")
             self.browser.wait_for(text_of("fields") + ".includes('sad')")
             self.expect_readable(f"{width}-predicted")

@@ -15,8 +15,7 @@ WORK = os.path.abspath("serve")
 MAP = os.path.join(WORK, "map")
 LIVE = os.path.join(WORK, "live")
 RESIDENT_MAX = 32 << 20  # bytes
-# A core's share for ten viewers is 3 % at 30 pictures a second on an idle machine.
-CPU_MAX = 0.05
+CPU_MAX = 0.05  # of a core, with ten viewers; an idle machine needs a fifth of it
 
 
 def cpu_seconds(pid):

@@ -202,33 +202,33 @@ function show_strip() {
 
 // --- the daemon's health
 
-const losses = { // counters of the status that are problems where they are not 0
-  refused: "frames could not be used", skipped: "frames skipped for newer ones",
-  oversized: "frames too large", late: "frames too old", rejected: "messages break their format",
-  lost: "camera messages never came", incomplete: "messages with missing parts",
-  dropped_datagrams: "datagrams dropped by the system", malformed_datagrams: "datagrams malformed",
-  foreign_datagrams: "datagrams from elsewhere", corrupted_frames: "frames corrupted",
-  reordered_frames: "frames overtaken", lost_frames: "protected frames lost",
-  restarts: "warmups begun anew", left_out: "experiences damaged and left out",
+const losses = { // counters of the status that tell of problems where they are not 0
+  left_out: "Damaged experiences left out", refused: "Frames that could not be used",
+  skipped: "Frames skipped for newer ones", oversized: "Frames too large", late: "Frames too old",
+  rejected: "Messages that break their format", lost: "Camera messages that never came",
+  incomplete: "Messages with missing parts", dropped_datagrams: "Datagrams dropped by the system",
+  malformed_datagrams: "Datagrams malformed", foreign_datagrams: "Datagrams from elsewhere",
+  corrupted_frames: "Frames corrupted", reordered_frames: "Frames overtaken",
+  lost_frames: "Protected frames lost", restarts: "Warmups begun anew as time ran backwards",
 };
 
-function problems_of({status, pulse, picture}) {
+function problems_of({status, pulse, picture, headline}) {
   const found = [];
   const add = (sentence, style = "") => sentence && found.push(make("li", style, sentence));
   if (pulse?.camera_age_s === null || pulse?.camera_age_s > 3)
     add(pulse.camera_age_s === null ? "No camera heard on its channel."
       : `No camera frame for ${fixed(pulse.camera_age_s, 0)} s.`, "bad");
-  add(status?.reason, "bad");
+  add(status?.reason, headline?.tone === "bad" ? "bad" : "");
   add(status?.message);
   if (status?.map_changed)
     add("The map's directory has changed since it was opened.");
   for (const [name, meaning] of Object.entries(losses))
     if (status?.[name] > 0)
-      add(`${status[name]} ${meaning}.`);
+      add(`${meaning}: ${status[name]}`);
   add(picture?.problem && `The page cannot show a picture: ${picture.problem}`);
   add(pulse?.left_out && `A message was left out: ${pulse.left_out}`);
   if (pulse?.camera_oversized > 0)
-    add(`${pulse.camera_oversized} pictures too large for this page.`);
+    add(`Pictures too large for this page: ${pulse.camera_oversized}`);
   return found.length ? found : [make("li", "none", "None known.")];
 }
 
@@ -237,14 +237,15 @@ function show_health() {
   at("problems").replaceChildren(...problems_of(state));
   if (!status)
     return;
+  const known = value => value === undefined || value === "" ? "–" : `${value}`;
   const facts = {
     "Camera": `${fixed(pulse?.camera_hz, 1)} frames/s`,
-    "Frames used": `${status.processed} of ${status.received}`,
+    "Frames used": `${known(status.processed)} of ${known(status.received)}`,
     "Memory": `${mib(status.resident_bytes)}, most ${mib(status.resident_bytes_max)}`,
-    "Map": `${status.experiences} experiences, ${status.map_hash.slice(0, 8)}`,
-    "Network": status.backbone,
-    "Daemon": status.version,
-    "Viewers": `${pulse?.viewers ?? "–"}`,
+    "Map": `${known(status.experiences)} experiences, ${known(status.map_hash?.slice(0, 8))}`,
+    "Network": known(status.backbone),
+    "Daemon": known(status.version),
+    "Viewers": known(pulse?.viewers),
   };
   at("facts").replaceChildren(...Object.entries(facts).flatMap(
     ([name, value]) => [make("dt", "", name), make("dd", "", value)]));

@@ -43,14 +43,15 @@ void a_raw_picture_keeps_its_colours(void **)
     std::vector<uint8_t> pixels;
     vdna_decoder *decoder = nullptr;
     assert_int_equal(vdna_decoder_open(10000, nullptr, &decoder), VDNA_OK);
-    for (const uint32_t format : {VDNA_PIXEL_RGB3, VDNA_PIXEL_BGR3, VDNA_PIXEL_RGB4, VDNA_PIXEL_BGR4}) {
+    for (const uint32_t format :
+         {VDNA_PIXEL_RGB3, VDNA_PIXEL_BGR3, VDNA_PIXEL_RGB4, VDNA_PIXEL_BGR4}) {
         const bool wide = format == VDNA_PIXEL_RGB4 || format == VDNA_PIXEL_BGR4;
         const bool red_first = format == VDNA_PIXEL_RGB3 || format == VDNA_PIXEL_RGB4;
-        std::vector<uint8_t> colour{uint8_t(red_first ? 200 : 40), 90, uint8_t(red_first ? 40 : 200)};
+        std::vector<uint8_t> colour{uint8_t(red_first ? 200 : 40), 90,
+                                    uint8_t(red_first ? 40 : 200)};
         if (wide)
             colour.push_back(7);
-        const std::string jpeg =
-            CameraJpeg().of(picture_of(pixels, 32, 16, format, colour));
+        const std::string jpeg = CameraJpeg().of(picture_of(pixels, 32, 16, format, colour));
         expect_shape(jpeg, 32, 16, 3);
         const vdna_image encoded = as_image(jpeg);
         vdna_pixels seen;

@@ -20,8 +20,7 @@ void who_joins_late_gets_the_newest_of_each_kind(void **)
     state.put("ranking", "2");
     state.put("status", "3");
     const LiveState::News news = state.news_after(0, patience);
-    assert_string_equal(news.text.c_str(),
-                        "event: ranking\ndata: 2\n\nevent: status\ndata: 3\n\n");
+    assert_string_equal(news.text.c_str(), "event: ranking\ndata: 2\n\nevent: status\ndata: 3\n\n");
     assert_string_equal(state.news_after(news.seen, 0ms).text.c_str(), "");
 }
 

@@ -57,8 +57,8 @@ class Viewer
         address.sin_family = AF_INET;
         address.sin_port = htons(static_cast<uint16_t>(port));
         address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        assert_int_equal(
-            connect(socket_, reinterpret_cast<sockaddr *>(&address), sizeof address), 0);
+        assert_int_equal(connect(socket_, reinterpret_cast<sockaddr *>(&address), sizeof address),
+                         0);
         const std::string request = "GET /events HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
         assert_int_equal(write(socket_, request.data(), request.size()), request.size());
     }
@@ -69,7 +69,8 @@ class Viewer
     bool reads(const std::string &text)
     {
         char data[4096];
-        for (ssize_t size; heard_.find(text) == std::string::npos; heard_.append(data, size_t(size)))
+        for (ssize_t size; heard_.find(text) == std::string::npos;
+             heard_.append(data, size_t(size)))
             if ((size = read(socket_, data, sizeof data)) <= 0)
                 return false;
         return true;
@@ -80,7 +81,8 @@ class Viewer
     std::string heard_;
 };
 
-template <typename Condition> bool comes_true(Condition condition)
+template <typename Condition>
+bool comes_true(Condition condition)
 {
     for (int i = 0; i < 6000 && !condition(); i++)
         std::this_thread::sleep_for(10ms);
@@ -96,8 +98,8 @@ void the_page_and_its_files_are_served(void **)
         assert_true(result->body.size() > 1000);
         // Nothing comes from another host.
         assert_true(result->body.find("https:") == std::string::npos);
-        assert_true(result->get_header_value("Content-Security-Policy")
-                        .find("default-src 'none'") == 0);
+        assert_true(
+            result->get_header_value("Content-Security-Policy").find("default-src 'none'") == 0);
     }
     assert_int_equal(served.get("/nothing"), 404);
 }

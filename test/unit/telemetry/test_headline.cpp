@@ -11,7 +11,8 @@ using Json = nlohmann::ordered_json;
 
 Json status_of(const char *state)
 {
-    return {{"state", state}, {"experience", "winter"}, {"reason", "it is dark"}, {"progress", 0.42}};
+    return {
+        {"state", state}, {"experience", "winter"}, {"reason", "it is dark"}, {"progress", 0.42}};
 }
 
 const Json by_distance{{"ranking",
@@ -49,9 +50,10 @@ void a_choice_by_recall_says_how_good(void **)
     first["predicted_low"] = 0.88;
     first["predicted_high"] = 0.97;
     second["predicted_recall"] = 0.95; // the order is by another figure
-    expect(status_of("VALID"), ranking, 0, "good",
-           "Localising in winter, because 94 % of its frames should be found (88 to 97 %), in summer "
-           "1 points more.");
+    expect(
+        status_of("VALID"), ranking, 0, "good",
+        "Localising in winter, because 94 % of its frames should be found (88 to 97 %), in summer "
+        "1 points more.");
     second["predicted_recall"] = nullptr;
     expect(status_of("VALID"), ranking, 0, "good",
            "Localising in winter, because it looks most like the warmup's frames: 7.41 bins away, "
