@@ -17,7 +17,8 @@ class Browser:
     """One page. Errors of its scripts, and requests to anywhere but `origin`, are in `complaints`."""
 
     def __init__(self):
-        self._profile = tempfile.TemporaryDirectory()
+        # Its children write on for a moment after its end.
+        self._profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         ours_in, its_out = os.pipe()
         its_in, ours_out = os.pipe()
         # It reads commands from 3 and writes answers to 4.
@@ -41,8 +42,12 @@ class Browser:
         return self
 
     def __exit__(self, *_):
-        self._process.kill()
-        self._process.wait()
+        self._session = None
+        self.call("Browser.close")
+        try:
+            self._process.wait(PATIENCE)
+        finally:
+            self._process.kill()
         self._in.close()
         self._out.close()
         self._profile.cleanup()
