@@ -1,12 +1,7 @@
 // vdna command - sends a command to a running vdna_selectord.
-#include <map>
+#include <algorithm>
 
-#include <vdna_messages.h>
-#include <vdna_msg_command_t.h>
-
-#include <vdna/cpp/connection.hpp>
-
-#include "program/clock.hpp"
+#include "telemetry/commands.hpp"
 #include "vdna/commands.hpp"
 
 namespace vdna::tool
@@ -14,8 +9,6 @@ namespace vdna::tool
 
 namespace
 {
-
-const std::map<std::string, int32_t> commands{{"reset", VDNA_MSG_COMMAND_T_RESET}};
 
 struct CommandOptions {
     std::string command;
@@ -30,18 +23,11 @@ void send_command(const CommandOptions &options)
     vdna_transport_config config;
     vdna_transport_config_init(&config);
     config.url = options.url.empty() ? nullptr : options.url.c_str();
-    const Connection connection = connect(config);
-
-    char no_argument[] = "";
-    vdna_msg_command_t message{};
-    message.utime = program::wall_us();
-    message.command = commands.at(options.command);
-    message.argument = no_argument;
-    const vdna_status status = vdna_transport_publish(connection.get(), options.channel.c_str(),
-                                                      &vdna_message_command, &message);
-    if (status != VDNA_OK)
-        throw Error(options.channel + ": the command cannot be sent: " + vdna_status_text(status) +
-                    "; " VDNA_LCM_REMEDY);
+    const auto &all = telemetry::commands();
+    telemetry::send_command(connect(config), options.channel,
+                            *std::find_if(all.begin(), all.end(), [&](const auto &command) {
+                                return options.command == command.name;
+                            }));
 }
 
 } // namespace
@@ -50,11 +36,13 @@ void add_command(CLI::App &app)
 {
     CLI::App *command = app.add_subcommand("command", "Send a command to a running vdna_selectord");
     const auto options = std::make_shared<CommandOptions>();
-    command
-        ->add_option("command", options->command,
-                     "reset: forget the chosen experience and warm up again")
-        ->required()
-        ->check(CLI::IsMember(commands));
+    std::vector<std::string> names;
+    std::string help;
+    for (const telemetry::Command &known : telemetry::commands()) {
+        names.push_back(known.name);
+        help += (help.empty() ? "" : "; ") + names.back() + ": " + known.does;
+    }
+    command->add_option("command", options->command, help)->required()->check(CLI::IsMember(names));
     command->add_option("--channel", options->channel, "channel to send on")->capture_default_str();
     command
         ->add_option("-l,--lcm-url", options->url,

@@ -6,7 +6,8 @@ if(VDNA_BACKBONE)
   list(APPEND binaries "$<TARGET_FILE:vdna_backbone_shared>")
 endif()
 if(VDNA_APPS)
-  list(APPEND binaries "$<TARGET_FILE:vdna>" "$<TARGET_FILE:vdna_selectord>")
+  list(APPEND binaries "$<TARGET_FILE:vdna>" "$<TARGET_FILE:vdna_selectord>"
+    "$<TARGET_FILE:vdna_serve>")
 endif()
 install(CODE "
   set(binaries \"${binaries}\")

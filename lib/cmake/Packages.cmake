@@ -1,5 +1,6 @@
 # Debian packages, by `cmake --build build --target package`: libvdna0, libvdna-dev, vdna-dbgsym and,
-# where they are built, libvdna-backbone0, libvdna-backbone-dev, vdna-selectord, vdna and vdna-networks.
+# where they are built, libvdna-backbone0, libvdna-backbone-dev, vdna-selectord, vdna-serve, vdna
+# and vdna-networks.
 # Each is a component of `cmake --install`, from which what only a package has is excluded.
 # dpkg-shlibdeps knows the packages of this machine only.
 if(CMAKE_CROSSCOMPILING)
@@ -64,15 +65,20 @@ if(VDNA_BACKBONE)
     "${about} the headers of the library that runs networks.")
 endif()
 if(VDNA_APPS)
-  list(APPEND CPACK_COMPONENTS_ALL daemon tool networks)
+  list(APPEND CPACK_COMPONENTS_ALL daemon serve tool networks)
   set(CPACK_DEBIAN_DAEMON_PACKAGE_NAME vdna-selectord)
   set(CPACK_DEBIAN_DAEMON_PACKAGE_SECTION science)
   set(CPACK_DEBIAN_DAEMON_PACKAGE_DEPENDS "vdna-networks (= ${PROJECT_VERSION})")
   set(CPACK_COMPONENT_DAEMON_DESCRIPTION
     "${about} the daemon, which runs on the robot, and the\nmessages that it speaks.")
+  set(CPACK_DEBIAN_SERVE_PACKAGE_NAME vdna-serve)
+  set(CPACK_DEBIAN_SERVE_PACKAGE_SECTION science)
+  set(CPACK_COMPONENT_SERVE_DESCRIPTION
+    "${about} the program that shows a running\ndaemon in a browser.")
   set(CPACK_DEBIAN_TOOL_PACKAGE_NAME vdna)
   set(CPACK_DEBIAN_TOOL_PACKAGE_SECTION science)
   set(CPACK_DEBIAN_TOOL_PACKAGE_DEPENDS "vdna-networks (= ${PROJECT_VERSION})")
+  set(CPACK_DEBIAN_TOOL_PACKAGE_RECOMMENDS vdna-serve)
   set(CPACK_COMPONENT_TOOL_DESCRIPTION
     "${about} the command that makes and examines maps.")
   set(CPACK_DEBIAN_NETWORKS_PACKAGE_NAME vdna-networks)

@@ -46,7 +46,7 @@ class TheDebs(unittest.TestCase):
         if BACKBONE:
             expected |= {"libvdna-backbone0", "libvdna-backbone-dev"}
         if PROGRAMS:
-            expected |= {"vdna", "vdna-selectord", "vdna-networks"}
+            expected |= {"vdna", "vdna-selectord", "vdna-serve", "vdna-networks"}
         self.assertEqual(set(self.debs), expected)
 
     def test_the_library_depends_on_what_it_links(self):
@@ -82,6 +82,7 @@ class TheDebs(unittest.TestCase):
             "vdna-selectord": ("sbin/vdna_selectord", "share/man/man8/vdna_selectord.8.gz",
                                "lib/systemd/system/vdna_selectord.service",
                                "share/vdna/lcmtypes/image.lcm"),
+            "vdna-serve": ("bin/vdna_serve",),
             "vdna-networks": ("lib/vdna/libonnxruntime.so",
                               "share/vdna/models/efficientnet_lite0.onnx",
                               "share/doc/vdna-networks/onnxruntime/ThirdPartyNotices.txt"),

@@ -33,7 +33,7 @@ ROOMS = {
                         "lib/identity", "lib/map", "lib/picture",
                         "lib/transport"]),
     "apps/simulate": (7, ["apps/program", "lib/cpp"]),
-    "apps/telemetry": (7, ["apps/program", "lib/transport"]),
+    "apps/telemetry": (7, ["apps/program", "lib/cpp", "lib/transport"]),
     "apps/record": (8, ["apps/frames", "apps/program", "lib/backbone", "lib/core", "lib/cpp",
                         "lib/geodesy", "lib/localise", "lib/map", "lib/select", "lib/trust"]),
     "apps/eval": (9, ["apps/frames", "apps/program", "apps/record", "lib/backbone", "lib/baseline",
@@ -46,6 +46,8 @@ ROOMS = {
     "apps/selectord": (11, ["apps/program", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
                             "lib/geodesy", "lib/health", "lib/map", "lib/select",
                             "lib/transport"]),
+    "apps/serve": (11, ["apps/program", "apps/telemetry", "lib/core", "lib/cpp", "lib/picture",
+                        "lib/transport"]),
 }
 
 # The public headers of rooms whose name they do not bear.

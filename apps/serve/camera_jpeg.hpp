@@ -1,0 +1,40 @@
+// Camera frames as JPEGs that a browser shows.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <vdna/picture.h>
+
+#include "picture/resample.hpp"
+
+namespace vdna::serve
+{
+
+class CameraJpeg
+{
+  public:
+    CameraJpeg();
+
+    // A JPEG of at most as_received_max bytes as it came, undecoded; any other picture decoded,
+    // no side longer than side_max, and encoded. Throws Error for one that cannot be decoded.
+    std::string of(const vdna_image &image);
+
+    static constexpr size_t as_received_max = 256 * 1024; // bytes
+    static constexpr uint32_t side_max = 640;             // pixels
+    static constexpr uint32_t pixels_max = 1u << 22;      // of a picture that must be decoded
+
+  private:
+    struct CloseDecoder {
+        void operator()(vdna_decoder *decoder) const { vdna_decoder_close(decoder); }
+    };
+
+    vdna_pixels small_enough(const vdna_pixels &pixels);
+
+    std::unique_ptr<vdna_decoder, CloseDecoder> decoder_;
+    picture::Size size_{0, 0};                      // that resampler_ makes
+    std::unique_ptr<picture::Resampler> resampler_; // null until it is needed
+    std::string small_;                             // pixels
+};
+
+} // namespace vdna::serve

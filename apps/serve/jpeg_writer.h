@@ -1,0 +1,23 @@
+/* Write JPEG pictures with libjpeg. */
+#ifndef VDNA_SERVE_JPEG_WRITER_H
+#define VDNA_SERVE_JPEG_WRITER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include <vdna/pixels.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Encode a picture, at quality 80.
+ * out_data: the caller's, to be freed with free(); untouched on failure
+ * Returns 1, or 0 if memory is short or the channels are not grey, RGB or BGR. */
+int vdna_jpeg_write(const vdna_pixels *pixels, uint8_t **out_data, size_t *out_size);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,189 @@
+#include "serve/reception.hpp"
+
+#include "program/clock.hpp"
+#include "telemetry/headline.hpp"
+
+namespace vdna::serve
+{
+
+namespace
+{
+
+constexpr int32_t moment_ms = 50;
+constexpr int64_t second_us = 1000000;
+constexpr int64_t picture_every_us = second_us / 4;
+constexpr size_t rate_seconds = 3; // over which the camera's rate is taken
+
+const char *or_null(const std::string &url)
+{
+    return url.empty() ? nullptr : url.c_str();
+}
+
+Connection open_camera(const Channels &channels)
+{
+    vdna_transport_config config;
+    vdna_transport_config_init(&config);
+    config.url = or_null(channels.url);
+    config.camera_channel = channels.camera.c_str();
+    return connect(config);
+}
+
+vdna_listener *open_listener(const Channels &channels)
+{
+    const std::vector<telemetry::View> &views = telemetry::views();
+    std::vector<vdna_listener_channel> wanted;
+    for (size_t i = 0; i < views.size(); i++)
+        wanted.push_back({channels.views[i].c_str(), views[i].type});
+    vdna_listener_config config;
+    vdna_listener_config_init(&config);
+    config.url = or_null(channels.url);
+    config.queue_length = VDNA_TRANSPORT_QUEUE; // we are quick, and need only the newest
+    config.channels = wanted.data();
+    config.channel_count = static_cast<uint32_t>(wanted.size());
+    vdna_listener *listener = nullptr;
+    vdna_error error{};
+    require(vdna_listener_open(&config, &error, &listener), error);
+    return listener;
+}
+
+double seconds_since(int64_t us)
+{
+    return static_cast<double>(program::monotonic_us() - us) / second_us;
+}
+
+nlohmann::ordered_json age(int64_t us)
+{
+    return us > 0 ? nlohmann::ordered_json(seconds_since(us)) : nullptr;
+}
+
+void require_network(vdna_status status)
+{
+    if (status == VDNA_ERR_IO)
+        throw Error("the LCM connection is gone; see to the network and start again");
+    if (status != VDNA_OK)
+        throw Error(std::string("LCM: ") + vdna_status_text(status));
+}
+
+} // namespace
+
+Reception::Reception(const Channels &channels, LiveState &state)
+    : state_(state), camera_(open_camera(channels)), listener_(open_listener(channels))
+{
+}
+
+void Reception::put(const char *kind, const Json &json)
+{
+    state_.put(kind, json.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void Reception::put_headline()
+{
+    const telemetry::Headline line =
+        telemetry::headline(status_, ranking_, seconds_since(status_us_));
+    put("headline", {{"tone", line.tone}, {"text", line.text}});
+}
+
+// A restarted daemon that warms up has no ranking and no place yet: those of its predecessor go.
+void Reception::note_restart()
+{
+    if (status_["state"] != "WARMUP")
+        return;
+    for (Json *const old : {&ranking_, &localisation_})
+        *old = nullptr;
+    put("ranking", ranking_);
+    put("localisation", localisation_);
+}
+
+void Reception::take(const vdna_listener_message &message)
+{
+    if (message.rejected)
+        rejected_ = std::string(message.channel) + ": " + message.rejected;
+    if (!message.data)
+        return;
+    const telemetry::View &view = telemetry::view_of(*message.type);
+    const std::string kind = view.name;
+    Json json = view.json(message.data);
+    Json &newest = kind == "ranking" ? ranking_ : kind == "localisation" ? localisation_ : status_;
+    const bool restarted =
+        newest.is_object() && newest.value("instance", Json()) != json.value("instance", Json());
+    newest = std::move(json);
+    put(view.name, newest);
+    if (kind == "localisation") {
+        answer_ = localisation_;
+        return;
+    }
+    if (kind == "status") {
+        status_us_ = program::monotonic_us();
+        if (restarted)
+            note_restart();
+    }
+    put_headline();
+}
+
+void Reception::take(const vdna_transport_frame &frame)
+{
+    picture_us_ = program::monotonic_us();
+    Json json{{"utime", frame.utime}, {"problem", nullptr}};
+    try {
+        state_.set_picture(std::make_shared<const std::string>(jpeg_.of(frame.image)));
+    } catch (const Error &error) {
+        state_.set_picture(nullptr);
+        json["problem"] = error.what();
+    }
+    put("picture", json);
+}
+
+double Reception::camera_hz() const
+{
+    const Count &first = counts_.front(), &last = counts_.back();
+    return last.us > first.us ? static_cast<double>(last.frames - first.frames) * second_us /
+                                    static_cast<double>(last.us - first.us)
+                              : 0;
+}
+
+void Reception::each_second(size_t viewers)
+{
+    const vdna_transport_counters *const counted = vdna_transport_count(camera_.get());
+    counts_.push_back({second_us_, counted->received});
+    if (counts_.size() > rate_seconds + 1)
+        counts_.pop_front();
+    put("pulse", {{"utime", program::wall_us()},
+                  {"status_age_s", age(status_us_)},
+                  {"camera_age_s", age(frame_us_)},
+                  {"camera_hz", camera_hz()},
+                  {"camera_oversized", counted->oversized},
+                  {"camera_rejected", counted->camera_rejected},
+                  {"left_out", rejected_},
+                  {"viewers", viewers}});
+    Json point{{"utime", program::wall_us()}};
+    for (const char *const name : {"validity", "experience", "confidence", "frame"})
+        point[name] = answer_.is_object() ? answer_[name] : Json();
+    answer_ = nullptr;
+    state_.add_point(point.dump(-1, ' ', false, Json::error_handler_t::replace));
+    put_headline();
+}
+
+void Reception::run_once(size_t viewers)
+{
+    uint32_t events = 0;
+    vdna_transport_frame frame;
+    require_network(vdna_transport_poll(camera_.get(), moment_ms, &events, &frame));
+    const int64_t now = program::monotonic_us();
+    if (events & VDNA_TRANSPORT_FRAME) {
+        frame_us_ = now;
+        if (viewers > 0 && now - picture_us_ >= picture_every_us)
+            take(frame);
+    }
+    for (vdna_listener_message message;;) {
+        require_network(vdna_listener_poll(listener_.get(), 0, &message));
+        if (!message.type)
+            break;
+        take(message);
+    }
+    if (now - second_us_ >= second_us) {
+        second_us_ = now;
+        each_second(viewers);
+    }
+}
+
+} // namespace vdna::serve

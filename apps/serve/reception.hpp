@@ -1,0 +1,66 @@
+// What is heard on the LCM network, made into what the page shows.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <string>
+
+#include <vdna/cpp/connection.hpp>
+#include <vdna/listener.h>
+
+#include "serve/camera_jpeg.hpp"
+#include "serve/live_state.hpp"
+#include "telemetry/message_text.hpp"
+
+namespace vdna::serve
+{
+
+struct Channels {
+    std::string url;                // "" = LCM's default
+    std::string camera;             //
+    std::vector<std::string> views; // of each of telemetry::views()
+};
+
+class Reception
+{
+  public:
+    // Connect; `state` is borrowed. Throws Error.
+    Reception(const Channels &channels, LiveState &state);
+
+    // Take what has come, for some 50 ms. Throws Error if the network is gone.
+    // viewers: who see the page; without any no picture is made
+    void run_once(size_t viewers);
+
+  private:
+    using Json = nlohmann::ordered_json;
+    struct CloseListener {
+        void operator()(vdna_listener *listener) const { vdna_listener_close(listener); }
+    };
+
+    void take(const vdna_listener_message &message);
+    void take(const vdna_transport_frame &frame);
+    void note_restart();
+    void put(const char *kind, const Json &json);
+    void put_headline();
+    void each_second(size_t viewers);
+    double camera_hz() const;
+
+    LiveState &state_;
+    Connection camera_;
+    std::unique_ptr<vdna_listener, CloseListener> listener_;
+    CameraJpeg jpeg_;
+
+    Json ranking_, localisation_, status_; // newest; null = none
+    Json answer_;                          // newest localisation of this second; null = none
+    std::string rejected_;                 // the newest message that was left out, and why
+    int64_t status_us_ = 0, frame_us_ = 0; // when the newest came, monotonic; 0 = none
+    int64_t picture_us_ = 0;               // when the newest picture was made
+    int64_t second_us_ = 0;                // when each_second() ran
+    struct Count {
+        int64_t us;
+        uint64_t frames;
+    };
+    std::deque<Count> counts_; // of camera frames, one a second
+};
+
+} // namespace vdna::serve
