@@ -127,8 +127,9 @@ void RankingReport::fill_trust(const vdna_select &select)
     message_.ranked_by = borrow(name_of_method(vdna_select_ranked_by(&select)));
     message_.settled_frames = settled_frames(select);
     message_.previous = borrow(is_switch_ ? experiences_[vdna_select_previous(&select)].name : "");
-    message_.no_prediction = borrow(expected ? trust_.text_of(expected->reason)
-                                             : "the warmup let another experience be chosen");
+    message_.no_prediction =
+        borrow(expected ? trust_.text_of(expected->reason)
+                        : "it was of the warmup, and another experience has been chosen since");
 }
 
 void RankingReport::fill_entry(const vdna_select &select, size_t at, const vdna_rank_entry &entry)

@@ -451,7 +451,7 @@ class Waiting(WithConfiguration):
             self.assertIn("`ip route add 224.0.0.0/4 dev lo`", said.pop())
 
 
-class Replay(unittest.TestCase):
+class Replay(WithConfiguration):
     """A daemon that reads a log."""
 
     def setUp(self):
@@ -533,7 +533,8 @@ class Replay(unittest.TestCase):
         # Of each six, the third comes after the fourth.
         swapped = {2: 3, 3: 2}
         windows, stamps = self.answers_to(
-            lambda number: (number - number % 6 + swapped.get(number % 6, number % 6)) * 33333)
+            lambda number: (number - number % 6 + swapped.get(number % 6, number % 6)) * 33333,
+            "-c", self.configure("[select]\nstop_early = false\n"))
         self.assertEqual(windows, [WARMUP])
         self.assertEqual(len(stamps), FRAMES - FRAMES // 6)
         self.assertEqual(stamps, sorted(stamps))
