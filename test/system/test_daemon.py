@@ -454,6 +454,8 @@ class Waiting(WithConfiguration):
 class Replay(WithConfiguration):
     """A daemon that reads a log."""
 
+    work = WORK
+
     def setUp(self):
         self.warmup = ["--warmup-frames", WARMUP]
         self.answers = os.path.join(WORK, f"{self.id()}.jsonl")

@@ -107,9 +107,10 @@ class Choice(Drives):
         vdna("calibrate", "--trust", strict, "--tolerance", 0)
         answers, _ = self.replay(strict, SNOW, settings="[select]\nmin_recall = 1\n")
         self.assertEqual(choices(answers)[0]["verdict"], "poor")
-        for answer in places(answers):
-            self.assertEqual(answer["validity"], "NONE_FITS")
-            self.assertIn("is good enough: the least bad, ", answer["reason"])
+        first = places(answers)[0]
+        self.assertEqual(first["validity"], "NONE_FITS")
+        self.assertIn("is good enough: the least bad, ", first["reason"])
+        self.assertIsNotNone(first["predicted_recall"])
 
     def test_a_choice_that_has_settled_does_not_wait_for_the_whole_warmup(self):
         early = choices(self.replay(DAY, AGAIN)[0])[0]
