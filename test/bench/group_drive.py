@@ -118,13 +118,15 @@ def last_frame(context, name, count):
 
 def choosing_again(context, name, count):
     """Processor time of a frame after the choice, with and without reconsidering it."""
-    manifest, frames = context.scene.manifest(name), 5 if context.tiny else 50 if context.quick else 100
+    manifest = context.scene.manifest(name)
+    frames = 5 if context.tiny else 50 if context.quick else 100
     pictures = [file.read_bytes() for file in context.scene.pictures(10 if context.tiny else 20)]
     folder = context.scene.map(manifest, count)
     spent = {"true": [], "false": []}
     for reselect in ["true", "false"] * (2 if context.tiny else 5):
         settings = context.scene.folder / f"reselect-{reselect}.toml"
-        settings.write_text(f"[select]\nreselect = {reselect}\n", encoding="ascii")
+        settings.write_text(f"[camera]\nhealth = false\n[select]\nreselect = {reselect}\n",
+                            encoding="ascii")  # the pictures come again
         options = ("--map", folder, "--backbone", manifest, "--warmup-frames", 2, "-c", settings)
         with Answers() as answers, Camera() as camera, Selectord(*options) as daemon:
             course = Drive(camera, answers, daemon)
