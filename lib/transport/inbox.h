@@ -24,8 +24,8 @@ typedef struct vdna_inbox_message {
 vdna_status vdna_inbox_open(const char *url, const vdna_wanted_channel *channels, uint32_t count,
                             uint32_t queue_length, vdna_error *error, vdna_inbox **out_inbox);
 
-/* Wait for the next message, to be freed by the caller. Returns 1; 0 if none came in time or a signal
- * did; -1 if the network is gone. */
+/* Wait for the next message, to be freed by the caller. Returns 1; 0 if none came in time or a
+ * signal did; -1 if the network is gone. */
 int vdna_inbox_take(vdna_inbox *inbox, int32_t timeout_ms, vdna_inbox_message **out_message);
 
 /* End it. NULL is allowed. */
