@@ -22,9 +22,10 @@ endif()
 add_library(vdna_hardening INTERFACE)
 target_compile_options(vdna_hardening INTERFACE -fstack-protector-strong)
 # Needs optimisation, and has no place beside a sanitizer, which sees more.
-set(VDNA_FORTIFIES "$<AND:$<CONFIG:Release,RelWithDebInfo,MinSizeRel>,$<NOT:$<BOOL:${VDNA_SANITIZE}>>>")
-target_compile_options(vdna_hardening INTERFACE
-  "$<${VDNA_FORTIFIES}:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=3>")
+if(NOT VDNA_SANITIZE)
+  target_compile_options(vdna_hardening INTERFACE
+    "$<$<CONFIG:Release,RelWithDebInfo,MinSizeRel>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=3>")
+endif()
 
 # vdna_program(TARGET): compile and link an executable as those that are installed.
 include(CheckPIESupported)
