@@ -75,7 +75,10 @@ static void take_any(vdna_health *health, const uint8_t *bytes, size_t size)
     vdna_health_picture picture;
     for (; size >= sizeof picture; bytes += sizeof picture, size -= sizeof picture) {
         memcpy(&picture, bytes, sizeof picture);
-        require(vdna_health_take(health, &picture) < VDNA_HEALTH_COUNT);
+        const uint32_t alone = vdna_health_judge(health, &picture);
+        const uint32_t verdict = vdna_health_take(health, &picture);
+        require(verdict == alone || (alone == VDNA_HEALTH_OK && verdict > VDNA_HEALTH_NOISE));
+        require(verdict < VDNA_HEALTH_COUNT && vdna_health_text(verdict)[0] != '\0');
         require(vdna_health_degraded(health) < VDNA_HEALTH_COUNT);
     }
 }
