@@ -4,8 +4,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "fuzz.h"
@@ -14,15 +12,6 @@
 typedef struct calls {
     const uint8_t *at, *end;
 } calls;
-
-/* What must hold whatever the calls: ends the process with its place and text if it does not. */
-#define require(is_true) ((is_true) ? (void)0 : broken(__FILE__, __LINE__, #is_true))
-
-static inline void broken(const char *file, int line, const char *expected)
-{
-    fprintf(stderr, "%s:%d: expected %s\n", file, line, expected);
-    abort();
-}
 
 static inline int has_more(const calls *c)
 {
@@ -77,7 +66,7 @@ static inline float any_float(calls *c)
 static inline void *block_of(size_t size)
 {
     void *block = malloc(size > 0 ? size : 1);
-    require(block != NULL);
+    MUST(block != NULL);
     memset(block, 0xA5, size);
     return block;
 }
@@ -124,7 +113,7 @@ static inline snapshot snapshot_of(const void *of, size_t size)
 /* Ends a snapshot; the memory must be as it was if `status` is an error. */
 static inline void require_unchanged_on_error(snapshot s, int32_t status)
 {
-    require(status == 0 || memcmp(s.of, s.bytes, s.size) == 0);
+    MUST(status == 0 || memcmp(s.of, s.bytes, s.size) == 0);
     free(s.bytes);
 }
 

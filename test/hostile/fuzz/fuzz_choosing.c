@@ -53,16 +53,16 @@ static void make_map(calls *c, run *r)
     config.embeddings = r->embeddings = floats_of(c, (size_t)r->frames * DIM);
     const size_t size = vdna_localise_map_mem_size(&config);
     r->map_mem = block_of(size);
-    require(vdna_localise_map_init(&config, r->map_mem, size - 1, &r->map) == VDNA_ERR_NOMEM);
+    MUST(vdna_localise_map_init(&config, r->map_mem, size - 1, &r->map) == VDNA_ERR_NOMEM);
     const vdna_status status = vdna_localise_map_init(&config, r->map_mem, size, &r->map);
     const int is_finite = all_finite(r->embeddings, (size_t)r->frames * DIM);
-    require(status == (is_finite ? VDNA_OK : VDNA_ERR_NONFINITE));
+    MUST(status == (is_finite ? VDNA_OK : VDNA_ERR_NONFINITE));
     if (status == VDNA_OK)
         return;
     for (size_t i = 0; i < (size_t)r->frames * DIM; i++)
         if (!isfinite(r->embeddings[i]))
             r->embeddings[i] = 0;
-    require(vdna_localise_map_init(&config, r->map_mem, size, &r->map) == VDNA_OK);
+    MUST(vdna_localise_map_init(&config, r->map_mem, size, &r->map) == VDNA_OK);
 }
 
 static void make_hist(calls *c, machine *m, run *r)
@@ -74,7 +74,7 @@ static void make_hist(calls *c, machine *m, run *r)
     config.range = &m->range[0][0];
     const size_t size = vdna_hist_mem_size(&config);
     r->hist_mem = block_of(size);
-    require(vdna_hist_init(&config, r->hist_mem, size, &r->hist) == VDNA_OK);
+    MUST(vdna_hist_init(&config, r->hist_mem, size, &r->hist) == VDNA_OK);
     for (uint32_t left = below(c, 4); left > 0; left--) {
         float *values = floats_of(c, NEURONS);
         const vdna_activations tap = {values, NEURONS, 1, VDNA_LAYOUT_SAMPLES_NEURONS};
@@ -105,7 +105,7 @@ static void measure_map(calls *c, machine *m)
     config.centred = below(c, 3);
     config.embeddings = m->runs[0].embeddings;
     if (vdna_localise_map_mem_size(&config) == 0)
-        require(vdna_localise_map_init(&config, m, sizeof *m, &map) == VDNA_ERR_ARG && !map);
+        MUST(vdna_localise_map_init(&config, m, sizeof *m, &map) == VDNA_ERR_ARG && !map);
 }
 
 /* ---- localisers */
@@ -164,8 +164,8 @@ static void make_localiser(calls *c, machine *m)
     void *mem = block_of(given);
     vdna_localise *localise = NULL;
     const vdna_status status = vdna_localise_init(&config, mem, given, &localise);
-    require(status == (size == 0 ? VDNA_ERR_ARG : given < size ? VDNA_ERR_NOMEM : VDNA_OK));
-    require((status == VDNA_OK) == (localise != NULL));
+    MUST(status == (size == 0 ? VDNA_ERR_ARG : given < size ? VDNA_ERR_NOMEM : VDNA_OK));
+    MUST((status == VDNA_OK) == (localise != NULL));
     if (status != VDNA_OK) {
         free(mem);
         return;
@@ -178,9 +178,9 @@ static void make_localiser(calls *c, machine *m)
 
 static void check_answer(const run *r, const vdna_localise_answer *a)
 {
-    require(a->frame < r->frames && a->nearest < r->frames && a->moving <= 1 && a->reserved == 0);
-    require(a->confidence >= 0 && a->confidence <= 1);
-    require(a->mass >= 0 && a->mass <= 1 - 1e-9);
+    MUST(a->frame < r->frames && a->nearest < r->frames && a->moving <= 1 && a->reserved == 0);
+    MUST(a->confidence >= 0 && a->confidence <= 1);
+    MUST(a->mass >= 0 && a->mass <= 1 - 1e-9);
 }
 
 static void check_localiser(const run *r)
@@ -188,15 +188,15 @@ static void check_localiser(const run *r)
     double posterior[FRAMES], sum = 0;
     vdna_localise_posterior(r->localise, posterior);
     for (size_t i = 0; i < r->frames; i++) {
-        require(posterior[i] >= 0 && posterior[i] <= 1 + 1e-9);
+        MUST(posterior[i] >= 0 && posterior[i] <= 1 + 1e-9);
         sum += posterior[i];
     }
-    require(fabs(sum - 1) < 1e-9);
+    MUST(fabs(sum - 1) < 1e-9);
     const double *mean = vdna_localise_mean(r->localise);
-    require(isfinite(mean[0] + mean[DIM - 1]));
-    require(isfinite(vdna_localise_evidence(r->localise)));
-    require(vdna_localise_frames(r->localise) == r->frames);
-    require(vdna_localise_dim(r->localise) == DIM);
+    MUST(isfinite(mean[0] + mean[DIM - 1]));
+    MUST(isfinite(vdna_localise_evidence(r->localise)));
+    MUST(vdna_localise_frames(r->localise) == r->frames);
+    MUST(vdna_localise_dim(r->localise) == DIM);
 }
 
 static run *a_localiser(calls *c, machine *m)
@@ -216,13 +216,13 @@ static void feed(calls *c, machine *m)
     const snapshot before = snapshot_of(r->mem, r->mem_size);
     const vdna_status status = is_warmup ? vdna_localise_warm_up(r->localise, embedding)
                                          : vdna_localise_feed(r->localise, embedding, &answer);
-    require(status == (all_finite(embedding, DIM) ? VDNA_OK : VDNA_ERR_NONFINITE));
+    MUST(status == (all_finite(embedding, DIM) ? VDNA_OK : VDNA_ERR_NONFINITE));
     require_unchanged_on_error(before, status);
     if (status == VDNA_OK && !is_warmup) {
         check_answer(r, &answer);
-        require(answer.nearest_distance >= 0 && answer.nearest_distance <= 2);
-        require((float)answer.nearest_distance ==
-                vdna_localise_distances(r->localise)[answer.nearest]);
+        MUST(answer.nearest_distance >= 0 && answer.nearest_distance <= 2);
+        MUST((float)answer.nearest_distance ==
+             vdna_localise_distances(r->localise)[answer.nearest]);
     }
     check_localiser(r);
     free(embedding);
@@ -237,10 +237,10 @@ static void feed_distances(calls *c, machine *m)
     vdna_localise_answer answer;
     const snapshot before = snapshot_of(r->mem, r->mem_size);
     const vdna_status status = vdna_localise_feed_distances(r->localise, distances, &answer);
-    require(status == VDNA_OK || status == VDNA_ERR_NONFINITE);
+    MUST(status == VDNA_OK || status == VDNA_ERR_NONFINITE);
     require_unchanged_on_error(before, status);
     if (status == VDNA_OK) {
-        require(all_finite(distances, r->frames) && answer.moving == 1);
+        MUST(all_finite(distances, r->frames) && answer.moving == 1);
         check_answer(r, &answer);
     }
     check_localiser(r);
@@ -253,7 +253,7 @@ static void reset_localiser(calls *c, machine *m)
     if (!r)
         return;
     vdna_localise_reset(r->localise);
-    require(vdna_localise_evidence(r->localise) == 0);
+    MUST(vdna_localise_evidence(r->localise) == 0);
     check_localiser(r);
 }
 
@@ -285,8 +285,8 @@ static void make_select(calls *c, machine *m)
     const size_t given = size - (size > 0 && seldom(c, 16));
     m->mem = block_of(given);
     const vdna_status status = vdna_select_init(&config, m->mem, given, &m->select);
-    require((status == VDNA_ERR_ARG) == (size == 0));
-    require((status == VDNA_OK) == (m->select != NULL));
+    MUST((status == VDNA_ERR_ARG) == (size == 0));
+    MUST((status == VDNA_OK) == (m->select != NULL));
     if (config.dim != DIM) /* nobody can check the length of our embeddings */
         drop_select(m);
     m->count = config.candidate_count;
@@ -298,38 +298,37 @@ static void check_ranking(const machine *m)
 {
     uint32_t count = 0, found = 0;
     const vdna_rank_entry *ranking = vdna_select_ranking(m->select, &count);
-    require(count == m->count);
+    MUST(count == m->count);
     for (uint32_t i = 0; i < count; i++)
         found |= 1u << ranking[i].candidate;
-    require(found == (1u << count) - 1);
-    require(vdna_select_chosen(m->select) < m->count);
-    require(vdna_select_margin_bins(m->select) >= 0);
+    MUST(found == (1u << count) - 1);
+    MUST(vdna_select_chosen(m->select) < m->count);
+    MUST(vdna_select_margin_bins(m->select) >= 0);
 }
 
 static void check_select(const machine *m)
 {
     const vdna_select *s = m->select;
     const double progress = vdna_select_progress(s);
-    require(progress >= 0 && progress <= 1);
-    require(vdna_select_accepted(s) + vdna_select_rejected(s) + vdna_select_time(s)->late ==
-            m->fed);
-    require((vdna_select_ranking(s, NULL) != NULL) == (vdna_select_state(s) != VDNA_SELECT_WARMUP));
-    require(vdna_select_first_utime(s) <= vdna_select_last_utime(s));
-    require((vdna_restart_text(vdna_select_restart_cause(s))[0] == '\0') ==
-            (vdna_select_restarts(s) == 0));
-    require((vdna_select_restart_cause(s) == VDNA_RESTART_NONE) == (vdna_select_restarts(s) == 0));
+    MUST(progress >= 0 && progress <= 1);
+    MUST(vdna_select_accepted(s) + vdna_select_rejected(s) + vdna_select_time(s)->late == m->fed);
+    MUST((vdna_select_ranking(s, NULL) != NULL) == (vdna_select_state(s) != VDNA_SELECT_WARMUP));
+    MUST(vdna_select_first_utime(s) <= vdna_select_last_utime(s));
+    MUST((vdna_restart_text(vdna_select_restart_cause(s))[0] == '\0') ==
+         (vdna_select_restarts(s) == 0));
+    MUST((vdna_select_restart_cause(s) == VDNA_RESTART_NONE) == (vdna_select_restarts(s) == 0));
     vdna_hist_view live;
     vdna_select_live(s, &live);
     for (size_t n = 0; n < NEURONS; n++) {
         uint64_t sum = 0;
         for (size_t b = 0; b < live.bins; b++)
             sum += live.counts[b * NEURONS + n];
-        require(sum == live.mass[n]);
+        MUST(sum == live.mass[n]);
     }
     if (vdna_select_state(s) == VDNA_SELECT_SELECTED)
         check_ranking(m);
     const vdna_select_position *where = vdna_select_where(s);
-    require(!where || (m->localises && where->candidate < m->count));
+    MUST(!where || (m->localises && where->candidate < m->count));
     if (where)
         check_answer(&m->runs[where->candidate], &where->answer);
 }
@@ -337,12 +336,12 @@ static void check_select(const machine *m)
 static void check_select_answer(const machine *m, const vdna_select_answer *answer)
 {
     const vdna_select_position *where = vdna_select_where(m->select);
-    require(answer->state == vdna_select_state(m->select) && answer->newly_ranked <= 1);
-    require(answer->restarted <= VDNA_RESTART_UNIT && answer->localised <= 1);
-    require(!answer->localised || answer->state == VDNA_SELECT_SELECTED);
+    MUST(answer->state == vdna_select_state(m->select) && answer->newly_ranked <= 1);
+    MUST(answer->restarted <= VDNA_RESTART_UNIT && answer->localised <= 1);
+    MUST(!answer->localised || answer->state == VDNA_SELECT_SELECTED);
     const uint32_t in = where ? where->candidate : vdna_select_chosen(m->select);
     if (answer->localised)
-        require(answer->match.index < m->runs[in].frames && answer->match.distance_sq >= 0);
+        MUST(answer->match.index < m->runs[in].frames && answer->match.distance_sq >= 0);
 }
 
 static void feed_select(calls *c, machine *m)
@@ -365,10 +364,10 @@ static void feed_select(calls *c, machine *m)
     if (status == VDNA_OK)
         check_select_answer(m, &answer);
     else if (status == VDNA_ERR_OVERFLOW || status == VDNA_ERR_FULL)
-        require(vdna_select_state(m->select) == VDNA_SELECT_WARMUP);
+        MUST(vdna_select_state(m->select) == VDNA_SELECT_WARMUP);
     else
-        require(vdna_select_state(m->select) == state &&
-                vdna_select_window_frames(m->select) == frames);
+        MUST(vdna_select_state(m->select) == state &&
+             vdna_select_window_frames(m->select) == frames);
     check_select(m);
     free(values);
     free(embedding);
@@ -379,8 +378,8 @@ static void reset_select(calls *c, machine *m)
     if (!m->select || !seldom(c, 4))
         return;
     vdna_select_reset(m->select);
-    require(vdna_select_state(m->select) == VDNA_SELECT_WARMUP &&
-            vdna_select_window_frames(m->select) == 0);
+    MUST(vdna_select_state(m->select) == VDNA_SELECT_WARMUP &&
+         vdna_select_window_frames(m->select) == 0);
     check_select(m);
 }
 

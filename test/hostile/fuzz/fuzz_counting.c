@@ -87,7 +87,7 @@ static void check_hist(const vdna_hist *hist, const uint64_t mass[NEURONS])
         uint64_t sum = 0;
         for (size_t b = 0; b < hist->bins; b++)
             sum += hist->counts[b * hist->neurons + n];
-        require(sum == mass[n] && hist->mass[n] == sum && hist->saturated[n] <= sum);
+        MUST(sum == mass[n] && hist->mass[n] == sum && hist->saturated[n] <= sum);
     }
 }
 
@@ -106,8 +106,8 @@ static void make_ranges(calls *c, machine *m)
                 edges[1] = 1;
             }
         }
-    require(vdna_range_check(&m->ranges[0][0][0], NEURONS) == VDNA_OK);
-    require(vdna_range_clear(&m->seen[0][0], NEURONS) == VDNA_OK);
+    MUST(vdna_range_check(&m->ranges[0][0][0], NEURONS) == VDNA_OK);
+    MUST(vdna_range_clear(&m->seen[0][0], NEURONS) == VDNA_OK);
 }
 
 static const float *a_range(calls *c, machine *m)
@@ -122,7 +122,7 @@ static void observe(calls *c, machine *m)
     const frame f = frame_of(c, shape, tap_count);
     const snapshot before = snapshot_of(m->seen, sizeof m->seen);
     const vdna_status status = vdna_range_observe(&m->seen[0][0], NEURONS, f.taps, tap_count);
-    require(status == vdna_activations_check(f.taps, tap_count, NEURONS));
+    MUST(status == vdna_activations_check(f.taps, tap_count, NEURONS));
     require_unchanged_on_error(before, status);
     free(f.values);
 }
@@ -132,9 +132,9 @@ static void expand(calls *c, machine *m)
     const snapshot before = snapshot_of(m->seen, sizeof m->seen);
     const vdna_status status =
         vdna_range_expand(&m->seen[0][0], NEURONS, 2 * any_float(c) + 1, below(c, 3));
-    require(status != VDNA_OK || vdna_range_check(&m->seen[0][0], NEURONS) == VDNA_OK);
+    MUST(status != VDNA_OK || vdna_range_check(&m->seen[0][0], NEURONS) == VDNA_OK);
     require_unchanged_on_error(before, status);
-    require(vdna_range_clear(&m->seen[0][0], NEURONS) == VDNA_OK);
+    MUST(vdna_range_clear(&m->seen[0][0], NEURONS) == VDNA_OK);
 }
 
 /* ---- histograms */
@@ -163,9 +163,9 @@ static void make_hist(calls *c, machine *m)
     const snapshot before = snapshot_of(&x->hist, sizeof x->hist);
     const vdna_status status = vdna_hist_init(&config, x->mem, given, &x->hist);
     require_unchanged_on_error(before, status);
-    require(status == (size == 0 || !config.range ? VDNA_ERR_ARG
-                       : given < size             ? VDNA_ERR_NOMEM
-                                                  : VDNA_OK));
+    MUST(status == (size == 0 || !config.range ? VDNA_ERR_ARG
+                    : given < size             ? VDNA_ERR_NOMEM
+                                               : VDNA_OK));
     x->mem_size = given;
     if (status != VDNA_OK)
         drop(x);
@@ -188,7 +188,7 @@ static void add(calls *c, machine *m)
     const frame f = frame_of(c, shape, tap_count);
     const snapshot before = snapshot_of(x->mem, x->mem_size);
     const vdna_status status = vdna_hist_add(&x->hist, f.taps, tap_count);
-    require(status == vdna_activations_check(f.taps, tap_count, x->hist.neurons));
+    MUST(status == vdna_activations_check(f.taps, tap_count, x->hist.neurons));
     require_unchanged_on_error(before, status);
     if (status == VDNA_OK)
         add_mass(x->mass, &f);
@@ -205,8 +205,8 @@ static void merge_or_subtract(calls *c, machine *m)
     const vdna_status status =
         is_merge ? vdna_hist_merge(&x->hist, &y->hist) : vdna_hist_subtract(&x->hist, &y->hist);
     require_unchanged_on_error(before, status);
-    require(status == VDNA_OK || status == VDNA_ERR_MISMATCH ||
-            status == (is_merge ? VDNA_ERR_FULL : VDNA_ERR_UNDERFLOW));
+    MUST(status == VDNA_OK || status == VDNA_ERR_MISMATCH ||
+         status == (is_merge ? VDNA_ERR_FULL : VDNA_ERR_UNDERFLOW));
     for (size_t n = 0; n < NEURONS && status == VDNA_OK; n++)
         x->mass[n] += is_merge ? y->mass[n] : 0 - y->mass[n];
 }
@@ -228,19 +228,19 @@ static void check_distance(const vdna_hist_view *p, const vdna_hist_view *q)
     void *scratch = block_of(size);
     double each[NEURONS], mean = -1, back = -1, sum = 0;
     const vdna_status status = vdna_emd_mean(p, q, scratch, size, &mean);
-    require(status == vdna_emd(p, q, scratch, size, each));
-    require(status == vdna_hist_view_check_pair(p, q));
+    MUST(status == vdna_emd(p, q, scratch, size, each));
+    MUST(status == vdna_hist_view_check_pair(p, q));
     if (status == VDNA_OK) {
-        require(vdna_emd_mean(p, q, scratch, size - 1, &back) == VDNA_ERR_NOMEM && back == -1);
-        require(vdna_emd_mean(q, p, scratch, size, &back) == VDNA_OK && back == mean);
+        MUST(vdna_emd_mean(p, q, scratch, size - 1, &back) == VDNA_ERR_NOMEM && back == -1);
+        MUST(vdna_emd_mean(q, p, scratch, size, &back) == VDNA_OK && back == mean);
         for (size_t n = 0; n < p->neurons; n++) {
-            require(each[n] >= 0 && each[n] <= p->bins - 1);
+            MUST(each[n] >= 0 && each[n] <= p->bins - 1);
             sum += each[n];
         }
-        require(fabs(mean - sum / p->neurons) <= 1e-9 * p->bins);
-        require(vdna_emd_mean(p, p, scratch, size, &mean) == VDNA_OK && mean == 0);
+        MUST(fabs(mean - sum / p->neurons) <= 1e-9 * p->bins);
+        MUST(vdna_emd_mean(p, p, scratch, size, &mean) == VDNA_OK && mean == 0);
     } else {
-        require(mean == -1);
+        MUST(mean == -1);
     }
     free(scratch);
 }
@@ -251,13 +251,13 @@ static void check_ranking(const vdna_rank_entry *ranking, uint32_t count)
     for (uint32_t i = 0; i < count; i++) {
         found |= 1u << ranking[i].candidate;
         const double here = ranking[i].distance_bins;
-        require(i == 0 || ranking[i - 1].distance_bins < here ||
-                (ranking[i - 1].distance_bins == here &&
-                 ranking[i - 1].candidate < ranking[i].candidate));
-        require(ranking[i].tied == ((i > 0 && ranking[i - 1].distance_bins == here) ||
-                                    (i + 1 < count && ranking[i + 1].distance_bins == here)));
+        MUST(i == 0 || ranking[i - 1].distance_bins < here ||
+             (ranking[i - 1].distance_bins == here &&
+              ranking[i - 1].candidate < ranking[i].candidate));
+        MUST(ranking[i].tied == ((i > 0 && ranking[i - 1].distance_bins == here) ||
+                                 (i + 1 < count && ranking[i + 1].distance_bins == here)));
     }
-    require(found == (1u << count) - 1);
+    MUST(found == (1u << count) - 1);
 }
 
 static void compare(calls *c, machine *m)
@@ -292,7 +292,7 @@ static void sort(calls *c, machine *m)
     for (uint32_t i = 0; i < count; i++)
         is_finite &= isfinite(distances[i]) != 0;
     const vdna_status status = vdna_rank_sort(distances, count, ranking);
-    require(status == (count == 0 ? VDNA_ERR_ARG : is_finite ? VDNA_OK : VDNA_ERR_NONFINITE));
+    MUST(status == (count == 0 ? VDNA_ERR_ARG : is_finite ? VDNA_OK : VDNA_ERR_NONFINITE));
     if (status == VDNA_OK)
         check_ranking(ranking, count);
     free(distances);
@@ -321,7 +321,7 @@ static void make_window(calls *c, machine *m)
     const size_t given = size - seldom(c, 16);
     x->mem = block_of(given);
     const vdna_status status = vdna_window_init(&config, x->mem, given, &x->window);
-    require(status == (given < size ? VDNA_ERR_NOMEM : VDNA_OK));
+    MUST(status == (given < size ? VDNA_ERR_NOMEM : VDNA_OK));
     if (status != VDNA_OK)
         drop(x);
 }
@@ -330,10 +330,10 @@ static void check_window(counted *x)
 {
     const vdna_hist *hist = vdna_window_hist(x->window);
     const double progress = vdna_window_progress(x->window);
-    require(progress >= 0 && progress <= 1);
-    require(hist->frames <= x->capacity);
-    require(vdna_window_first_utime(x->window) <= vdna_window_last_utime(x->window));
-    require(vdna_window_truncated(x->window) <= 1);
+    MUST(progress >= 0 && progress <= 1);
+    MUST(hist->frames <= x->capacity);
+    MUST(vdna_window_first_utime(x->window) <= vdna_window_last_utime(x->window));
+    MUST(vdna_window_truncated(x->window) <= 1);
     /* All frames of a sliding window have its shape, so its mass follows from their number. */
     if (x->which == VDNA_WINDOW_LAST) {
         memset(x->mass, 0, sizeof x->mass);
@@ -365,16 +365,16 @@ static void offer(calls *c, machine *m)
     uint32_t events = UINT32_MAX;
     const vdna_status status = vdna_window_add(x->window, utime, f.taps, tap_count, &events);
     require_unchanged_on_error(before, status);
-    require((status == VDNA_OK) == (events <= 7));
-    require(status != VDNA_OK || vdna_activations_check(f.taps, tap_count, hist->neurons) == 0);
+    MUST((status == VDNA_OK) == (events <= 7));
+    MUST(status != VDNA_OK || vdna_activations_check(f.taps, tap_count, hist->neurons) == 0);
     if (status == VDNA_OK) {
         if (events & VDNA_WINDOW_RESTARTED)
             memset(x->mass, 0, sizeof x->mass);
         if (events & VDNA_WINDOW_ADDED)
             add_mass(x->mass, &f);
-        require(vdna_window_restarts(x->window) ==
-                restarts + (events & VDNA_WINDOW_RESTARTED ? 1 : 0));
-        require(!(events & VDNA_WINDOW_ADDED) || vdna_window_last_utime(x->window) == utime);
+        MUST(vdna_window_restarts(x->window) ==
+             restarts + (events & VDNA_WINDOW_RESTARTED ? 1 : 0));
+        MUST(!(events & VDNA_WINDOW_ADDED) || vdna_window_last_utime(x->window) == utime);
     }
     check_window(x);
     free(f.values);
@@ -387,8 +387,8 @@ static void reset_window(calls *c, machine *m)
         return;
     vdna_window_reset(x->window);
     memset(x->mass, 0, sizeof x->mass);
-    require(vdna_window_hist(x->window)->frames == 0 && vdna_window_progress(x->window) == 0);
-    require(vdna_window_left_utime(x->window) == 0 || vdna_window_left_early(x->window) > 0);
+    MUST(vdna_window_hist(x->window)->frames == 0 && vdna_window_progress(x->window) == 0);
+    MUST(vdna_window_left_utime(x->window) == 0 || vdna_window_left_early(x->window) > 0);
 }
 
 /* ---- embeddings */
@@ -402,13 +402,13 @@ static void nearest(calls *c, machine *m)
     float *query = floats_of(c, dim), *map = floats_of(c, (size_t)rows * dim);
     vdna_knn_match *matches = block_of(written * sizeof *matches);
     const vdna_status status = vdna_knn(query, dim, map, rows, k, matches);
-    require((status == VDNA_ERR_ARG) == (dim == 0 || written == 0));
-    require(status != VDNA_OK || (all_finite(query, dim) && all_finite(map, (size_t)rows * dim)));
+    MUST((status == VDNA_ERR_ARG) == (dim == 0 || written == 0));
+    MUST(status != VDNA_OK || (all_finite(query, dim) && all_finite(map, (size_t)rows * dim)));
     for (uint32_t i = 0; i < written && status == VDNA_OK; i++) {
-        require(matches[i].index < rows && matches[i].distance_sq >= 0);
-        require(i == 0 || matches[i - 1].distance_sq < matches[i].distance_sq ||
-                (matches[i - 1].distance_sq == matches[i].distance_sq &&
-                 matches[i - 1].index < matches[i].index));
+        MUST(matches[i].index < rows && matches[i].distance_sq >= 0);
+        MUST(i == 0 || matches[i - 1].distance_sq < matches[i].distance_sq ||
+             (matches[i - 1].distance_sq == matches[i].distance_sq &&
+              matches[i - 1].index < matches[i].index));
     }
     free(query);
     free(map);
@@ -424,15 +424,15 @@ static void encode(calls *c, machine *m)
     int8_t *codes = block_of(count);
     float scale = -1;
     const vdna_status status = vdna_int8_encode(values, count, codes, &scale);
-    require(status == (count == 0                  ? VDNA_ERR_ARG
-                       : all_finite(values, count) ? VDNA_OK
-                                                   : VDNA_ERR_NONFINITE));
-    require((scale == -1) == (status != VDNA_OK));
+    MUST(status == (count == 0                  ? VDNA_ERR_ARG
+                    : all_finite(values, count) ? VDNA_OK
+                                                : VDNA_ERR_NONFINITE));
+    MUST((scale == -1) == (status != VDNA_OK));
     if (status == VDNA_OK) {
-        require(scale >= 0 && vdna_int8_decode(codes, count, scale, decoded) == VDNA_OK);
+        MUST(scale >= 0 && vdna_int8_decode(codes, count, scale, decoded) == VDNA_OK);
         for (size_t i = 0; i < count; i++)
-            require(codes[i] >= -127 &&
-                    fabs((double)decoded[i] - values[i]) <= 0.50001 * scale + 127 * 1.5e-45);
+            MUST(codes[i] >= -127 &&
+                 fabs((double)decoded[i] - values[i]) <= 0.50001 * scale + 127 * 1.5e-45);
     }
     free(values);
     free(decoded);
@@ -456,24 +456,24 @@ static void take_stamp(calls *c, machine *m)
     const vdna_camera_time before = *time;
     int64_t utime = 0;
     const uint32_t what = vdna_camera_time_take(time, stamp, &utime);
-    require(what <= VDNA_TIME_RECOGNISED && time->distinct_count <= VDNA_TIME_DISTINCT_MAX);
-    require(time->late - before.late == (what == VDNA_TIME_LATE));
-    require(time->backwards - before.backwards == (what == VDNA_TIME_BACKWARDS));
-    require(time->frames == (what == VDNA_TIME_IN_ORDER ? before.frames + 1
-                             : what == VDNA_TIME_LATE   ? before.frames
-                                                        : 1));
+    MUST(what <= VDNA_TIME_RECOGNISED && time->distinct_count <= VDNA_TIME_DISTINCT_MAX);
+    MUST(time->late - before.late == (what == VDNA_TIME_LATE));
+    MUST(time->backwards - before.backwards == (what == VDNA_TIME_BACKWARDS));
+    MUST(time->frames == (what == VDNA_TIME_IN_ORDER ? before.frames + 1
+                          : what == VDNA_TIME_LATE   ? before.frames
+                                                     : 1));
     if (what == VDNA_TIME_LATE)
-        require(utime < time->newest_us && time->newest_us == before.newest_us);
+        MUST(utime < time->newest_us && time->newest_us == before.newest_us);
     else
-        require(utime == time->newest_us && time->before_us <= time->newest_us);
+        MUST(utime == time->newest_us && time->before_us <= time->newest_us);
 }
 
 static void texts(calls *c, machine *m)
 {
     (void)m;
     const uint32_t any = any_count(c, 10);
-    require(vdna_status_text((vdna_status)any)[0] != '\0');
-    require(vdna_time_unit_name(any)[0] != '\0');
+    MUST(vdna_status_text((vdna_status)any)[0] != '\0');
+    MUST(vdna_time_unit_name(any)[0] != '\0');
 }
 
 static void recognise(calls *c, machine *m)
@@ -485,10 +485,10 @@ static void recognise(calls *c, machine *m)
     for (size_t i = 0; i < count; i++)
         stamps[i] = any_int64(c);
     const uint32_t unit = vdna_time_unit(stamps, count);
-    require(unit <= VDNA_TIME_UNIT_S && vdna_time_unit_name(unit)[0] != '\0');
+    MUST(unit <= VDNA_TIME_UNIT_S && vdna_time_unit_name(unit)[0] != '\0');
     for (size_t i = 1; i < count; i++)
-        require((vdna_time_us(unit, stamps[0]) < vdna_time_us(unit, stamps[i])) <=
-                (stamps[0] < stamps[i]));
+        MUST((vdna_time_us(unit, stamps[0]) < vdna_time_us(unit, stamps[i])) <=
+             (stamps[0] < stamps[i]));
 }
 
 /* ---- the program */

@@ -82,10 +82,10 @@ static void check_cell(const vdna_trust_cell *cell, uint32_t windows)
 {
     for (uint32_t w = 0; w < VDNA_TRUST_WINDOWS; w++) {
         const int is_window = w < windows;
-        require(is_window ? is_within(cell->nearest[w], 0, 2) : isnan(cell->nearest[w]));
-        require(isnan(cell->likeness[w]) || (is_window && is_within(cell->likeness[w], 0, 2)));
-        require(isnan(cell->recall[w]) || (is_window && is_within(cell->recall[w], 0, 1)));
-        require(isnan(cell->distance[w]));
+        MUST(is_window ? is_within(cell->nearest[w], 0, 2) : isnan(cell->nearest[w]));
+        MUST(isnan(cell->likeness[w]) || (is_window && is_within(cell->likeness[w], 0, 2)));
+        MUST(isnan(cell->recall[w]) || (is_window && is_within(cell->recall[w], 0, 1)));
+        MUST(isnan(cell->distance[w]));
     }
 }
 
@@ -103,13 +103,13 @@ static void pair(calls *c, machine *m)
     if (status == VDNA_OK) {
         check_cell(&cell, vdna_trust_windows(live.run.frames, NULL, NULL));
         for (uint32_t i = 0; i < live.run.frames; i++)
-            require(is_within(relative[i], 0, 2));
+            MUST(is_within(relative[i], 0, 2));
         m->cells[below(c, RUNS)][below(c, RUNS)] = cell;
-        require(vdna_trust_pair(&live.run, &candidate.run, tolerance, VDNA_TRUST_CENTRED, scratch,
-                                size - 1, relative, &cell) == VDNA_ERR_NOMEM);
+        MUST(vdna_trust_pair(&live.run, &candidate.run, tolerance, VDNA_TRUST_CENTRED, scratch,
+                             size - 1, relative, &cell) == VDNA_ERR_NOMEM);
     }
     const vdna_status owned = vdna_trust_own_scale(&live.run, tolerance, &own);
-    require(owned == VDNA_OK ? is_within(own, 1e-6, 2) : own == -1);
+    MUST(owned == VDNA_OK ? is_within(own, 1e-6, 2) : own == -1);
     free(scratch);
     free(relative);
     free_run(&live);
@@ -127,7 +127,7 @@ static void correlate(calls *c, machine *m)
         relative[i] = next_byte(c) / 128.0;
     const vdna_status status =
         vdna_trust_correlation_time(relative, candidates, frames, scratch, &tau);
-    require(status == VDNA_OK ? isnan(tau) || (tau >= 0 && isfinite(tau)) : tau == -1);
+    MUST(status == VDNA_OK ? isnan(tau) || (tau >= 0 && isfinite(tau)) : tau == -1);
     free(relative);
     free(scratch);
 }
@@ -143,8 +143,8 @@ static void nearest_of_codes(calls *c, machine *m)
     const float scale = any_float(c);
     const vdna_status status = vdna_trust_nearest_int8(codes, scale, run.codes, run.scales, CODES,
                                                        run.run.frames, &relative);
-    require(status == VDNA_OK ? is_within(relative, 0, 2) : relative == -1);
-    require(status == VDNA_OK || status == VDNA_ERR_NONFINITE);
+    MUST(status == VDNA_OK ? is_within(relative, 0, 2) : relative == -1);
+    MUST(status == VDNA_OK || status == VDNA_ERR_NONFINITE);
     free_run(&run);
 }
 
@@ -157,8 +157,8 @@ static void nearest_of_floats(calls *c, machine *m)
     uint32_t index = UINT32_MAX;
     const vdna_status status =
         vdna_trust_nearest(embedding, run.embeddings, DIM, run.run.frames, &relative, &index);
-    require(status == VDNA_OK ? is_within(relative, 0, 2) && index < run.run.frames
-                              : status == VDNA_ERR_NONFINITE && relative == -1);
+    MUST(status == VDNA_OK ? is_within(relative, 0, 2) && index < run.run.frames
+                           : status == VDNA_ERR_NONFINITE && relative == -1);
     free(embedding);
     free_run(&run);
 }
@@ -211,15 +211,15 @@ static void check_fit(const machine *m)
 {
     const vdna_trust_fit *fit = vdna_trust_fitted(m->trust);
     const int is_fitted = fit->labelled >= VDNA_TRUST_RUNS_MIN;
-    require(fit->labelled <= m->runs && fit->labelled != 1 && fit->by_likeness <= 1);
-    require(is_fitted ? fit->skill <= 1 : isnan(fit->skill));
-    require(is_fitted ? isfinite(fit->slope) : isnan(fit->slope));
-    require(is_fitted ? fit->sd >= 0 && fit->sd_best >= fit->sd : isnan(fit->sd));
-    require(isnan(fit->correlation) || fit->correlation >= 1);
-    require(!isinf(fit->far));
+    MUST(fit->labelled <= m->runs && fit->labelled != 1 && fit->by_likeness <= 1);
+    MUST(is_fitted ? fit->skill <= 1 : isnan(fit->skill));
+    MUST(is_fitted ? isfinite(fit->slope) : isnan(fit->slope));
+    MUST(is_fitted ? fit->sd >= 0 && fit->sd_best >= fit->sd : isnan(fit->sd));
+    MUST(isnan(fit->correlation) || fit->correlation >= 1);
+    MUST(!isinf(fit->far));
     const double *intercepts = vdna_trust_intercepts(m->trust);
     for (uint32_t b = 0; b < m->runs; b++)
-        require(is_fitted || isnan(intercepts[b]));
+        MUST(is_fitted || isnan(intercepts[b]));
 }
 
 static void make(calls *c, machine *m)
@@ -245,9 +245,9 @@ static void make(calls *c, machine *m)
     m->mem_size = size - (size > 0 && seldom(c, 16));
     m->mem = block_of(m->mem_size);
     const vdna_status status = vdna_trust_init(&config, m->mem, m->mem_size, &m->trust);
-    require((status == VDNA_OK) == (m->trust != NULL));
-    require(size > 0 || status == VDNA_ERR_ARG);
-    require(m->mem_size == size || status == VDNA_ERR_NOMEM);
+    MUST((status == VDNA_OK) == (m->trust != NULL));
+    MUST(size > 0 || status == VDNA_ERR_ARG);
+    MUST(m->mem_size == size || status == VDNA_ERR_NOMEM);
     m->fed = 0;
     m->has_chosen = 0;
     if (m->trust)
@@ -271,8 +271,8 @@ static void feed(calls *c, machine *m)
     const snapshot before = snapshot_of(m->mem, m->mem_size);
     for (uint32_t left = 1 + below(c, 8); left > 0; left--) {
         const vdna_status status = vdna_trust_feed(m->trust, nearest, likeness);
-        require(status == VDNA_OK || status == VDNA_ERR_NONFINITE);
-        require(status == VDNA_OK || memcmp(m->mem, before.bytes, before.size) == 0);
+        MUST(status == VDNA_OK || status == VDNA_ERR_NONFINITE);
+        MUST(status == VDNA_OK || memcmp(m->mem, before.bytes, before.size) == 0);
         m->fed += status == VDNA_OK;
         nearest[0] = nearest[0] / 2;
     }
@@ -284,13 +284,13 @@ static void feed(calls *c, machine *m)
 static void check_prediction(const vdna_trust_prediction *p)
 {
     const int is_known = p->reason == VDNA_TRUST_REASON_NONE;
-    require(p->reason <= VDNA_TRUST_REASON_NO_DISTANCE && p->reserved == 0);
-    require((vdna_trust_reason_text(p->reason)[0] == '\0') == is_known);
-    require(is_known ? is_within(p->recall, 0, 1) && is_within(p->low, 0, p->recall) &&
-                           is_within(p->high, p->recall, 1)
-                     : isnan(p->recall) && isnan(p->low) && isnan(p->high));
-    require(is_share_or_nan(p->transfer));
-    require(isnan(p->nearest) || (p->nearest >= 0 && isfinite(p->nearest)));
+    MUST(p->reason <= VDNA_TRUST_REASON_NO_DISTANCE && p->reserved == 0);
+    MUST((vdna_trust_reason_text(p->reason)[0] == '\0') == is_known);
+    MUST(is_known ? is_within(p->recall, 0, 1) && is_within(p->low, 0, p->recall) &&
+                        is_within(p->high, p->recall, 1)
+                  : isnan(p->recall) && isnan(p->low) && isnan(p->high));
+    MUST(is_share_or_nan(p->transfer));
+    MUST(isnan(p->nearest) || (p->nearest >= 0 && isfinite(p->nearest)));
 }
 
 static void predict(calls *c, machine *m)
@@ -300,15 +300,15 @@ static void predict(calls *c, machine *m)
     vdna_trust_answer answer;
     const vdna_status status =
         vdna_trust_predict(m->trust, seldom(c, 8) ? NULL : bins, predictions, &answer);
-    require(status == VDNA_OK || status == VDNA_ERR_NONFINITE);
+    MUST(status == VDNA_OK || status == VDNA_ERR_NONFINITE);
     if (status == VDNA_OK) {
         for (uint32_t b = 0; b < m->runs; b++)
             check_prediction(&predictions[b]);
-        require(answer.verdict <= VDNA_TRUST_POOR && answer.frames == m->fed);
-        require(answer.choice < m->runs && answer.settled_frames <= m->fed);
-        require(answer.settled_frames == vdna_trust_settled_frames(m->trust));
-        require(answer.settled_frames == 0 || m->fed >= VDNA_TRUST_SETTLED_FRAMES);
-        require(!isinf(answer.unlike));
+        MUST(answer.verdict <= VDNA_TRUST_POOR && answer.frames == m->fed);
+        MUST(answer.choice < m->runs && answer.settled_frames <= m->fed);
+        MUST(answer.settled_frames == vdna_trust_settled_frames(m->trust));
+        MUST(answer.settled_frames == 0 || m->fed >= VDNA_TRUST_SETTLED_FRAMES);
+        MUST(!isinf(answer.unlike));
     }
     free(bins);
 }
@@ -317,7 +317,7 @@ static void choose(calls *c, machine *m)
 {
     const uint32_t candidate = below(c, m->runs + 1);
     const vdna_status status = vdna_trust_choose(m->trust, candidate);
-    require(status == (candidate < m->runs ? VDNA_OK : VDNA_ERR_ARG));
+    MUST(status == (candidate < m->runs ? VDNA_OK : VDNA_ERR_ARG));
     m->has_chosen |= status == VDNA_OK;
 }
 
@@ -325,10 +325,10 @@ static void drive(calls *c, machine *m)
 {
     double *nearest = distances(c, m, 2), *expected = block_of(m->runs * sizeof *expected);
     const vdna_status status = vdna_trust_expect(m->trust, nearest, expected);
-    require(status == VDNA_OK || status == VDNA_ERR_NONFINITE);
+    MUST(status == VDNA_OK || status == VDNA_ERR_NONFINITE);
     for (uint32_t b = 0; b < m->runs; b++)
         if (status == VDNA_OK)
-            require(is_share_or_nan(expected[b]));
+            MUST(is_share_or_nan(expected[b]));
         else
             expected[b] = any_float(c);
     uint32_t choice = UINT32_MAX;
@@ -336,8 +336,8 @@ static void drive(calls *c, machine *m)
     const vdna_status reconsidered =
         vdna_trust_reconsider(m->trust, expected, seldom(c, 16) ? any_count(c, 0) : 5, &choice);
     require_unchanged_on_error(before, reconsidered);
-    require(reconsidered == VDNA_OK ? m->has_chosen && choice < m->runs
-                                    : reconsidered == VDNA_ERR_ARG && choice == UINT32_MAX);
+    MUST(reconsidered == VDNA_OK ? m->has_chosen && choice < m->runs
+                                 : reconsidered == VDNA_ERR_ARG && choice == UINT32_MAX);
     free(nearest);
     free(expected);
 }
@@ -348,7 +348,7 @@ static void reset(calls *c, machine *m)
     vdna_trust_reset(m->trust);
     m->fed = 0;
     m->has_chosen = 0;
-    require(vdna_trust_settled_frames(m->trust) == 0);
+    MUST(vdna_trust_settled_frames(m->trust) == 0);
 }
 
 /* ---- the program */
