@@ -351,7 +351,10 @@ static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, 
     if (events & VDNA_WINDOW_COMPLETE)
         follow_leads(select);
     answer->newly_ranked = (events & VDNA_WINDOW_COMPLETE) != 0;
-    return events & VDNA_WINDOW_ADDED ? VDNA_OK : localise(select, frame->embedding, answer);
+    /* A frame that is too far from all to have a distance is not localised; the choice stands. */
+    if (!(events & VDNA_WINDOW_ADDED))
+        localise(select, frame->embedding, answer);
+    return VDNA_OK;
 }
 
 /* All checks of a frame, before any of it is used. */
