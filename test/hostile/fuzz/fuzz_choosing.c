@@ -57,12 +57,13 @@ static void make_map(calls *c, run *r)
     const vdna_status status = vdna_localise_map_init(&config, r->map_mem, size, &r->map);
     const int is_finite = all_finite(r->embeddings, (size_t)r->frames * DIM);
     MUST(status == (is_finite ? VDNA_OK : VDNA_ERR_NONFINITE));
-    if (status == VDNA_OK)
-        return;
-    for (size_t i = 0; i < (size_t)r->frames * DIM; i++)
-        if (!isfinite(r->embeddings[i]))
-            r->embeddings[i] = 0;
-    MUST(vdna_localise_map_init(&config, r->map_mem, size, &r->map) == VDNA_OK);
+    if (status != VDNA_OK) {
+        for (size_t i = 0; i < (size_t)r->frames * DIM; i++)
+            if (!isfinite(r->embeddings[i]))
+                r->embeddings[i] = 0;
+        MUST(vdna_localise_map_init(&config, r->map_mem, size, &r->map) == VDNA_OK);
+    }
+    MUST(vdna_localise_map_step(r->map) >= 0 && isfinite(vdna_localise_map_mean(r->map)[DIM - 1]));
 }
 
 static void make_hist(calls *c, machine *m, run *r)
@@ -268,7 +269,7 @@ static void make_select(calls *c, machine *m)
         are_made &= m->localisers[i] != NULL;
     }
     vdna_select_config config;
-    vdna_select_config_init(&config);
+    vdna_select_config_init_sized(&config, sizeof config - seldom(c, 16));
     config.candidate_count = seldom(c, 32) ? 0 : 1 + below(c, CANDIDATES);
     config.candidates = m->candidates;
     config.dim = seldom(c, 32) ? any_count(c, 0) : DIM;

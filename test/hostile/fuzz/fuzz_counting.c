@@ -306,7 +306,7 @@ static void make_window(calls *c, machine *m)
     drop(x);
     x->tap_count = any_shape(c, x->shape);
     vdna_window_config config;
-    vdna_window_config_init(&config);
+    vdna_window_config_init_sized(&config, sizeof config - seldom(c, 16));
     config.capacity = x->capacity = any_count(c, 1);
     config.length_us = seldom(c, 32) ? any_int64(c) : below(c, 4);
     config.taps = seldom(c, 64) ? NULL : x->shape;

@@ -92,6 +92,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     /* The first bytes are a configuration as well, of a size that is accepted if the first is odd.
      */
     vdna_health_config config;
+    vdna_health_config_init(&config);
+    MUST(vdna_health_init(&health, &config) == VDNA_OK);
     if (size >= sizeof config) {
         memcpy(&config, bytes, sizeof config);
         if (bytes[0] % 2)

@@ -12,10 +12,19 @@
 /* The identity of an accepted experience is valid, and its taps are written as they are read. */
 static void use_identity(const vdna_experience *e)
 {
-    char sha256[VDNA_SHA256_SIZE], taps[VDNA_TAPS_SIZE] = "";
+    static char text[VDNA_IDENTITY_TEXT_SIZE];
+    char sha256[VDNA_SHA256_SIZE], taps[VDNA_TAPS_SIZE] = "", name[VDNA_NAME_SIZE] = "";
+    memcpy(name, e->position_frame, strnlen(e->position_frame, sizeof name - 1));
     MUST(vdna_identity_check(&e->identity, NULL) == VDNA_OK);
     MUST(vdna_identity_hash(&e->identity, sha256) == VDNA_OK);
     MUST(strcmp(sha256, e->comparable) == 0);
+    MUST(vdna_identity_text(&e->identity, text) == VDNA_OK && text[0] != '\0');
+    MUST(vdna_identity_compare(&e->identity, &e->identity, NULL) == VDNA_OK);
+    MUST(vdna_identity_precision(&e->identity)[0] != '\0');
+    const char *centred = strstr(e->identity.embedding, "centred");
+    MUST(!vdna_identity_is_centred(&e->identity) || centred);
+    vdna_name_replace(name);
+    MUST(vdna_name_check(name, NULL) == VDNA_OK || name[0] == '\0');
     const char *rest = e->identity.taps;
     for (vdna_tap tap; vdna_taps_next(&rest, &tap) == VDNA_OK;)
         MUST(vdna_taps_append(taps, sizeof taps, &tap) == VDNA_OK);
