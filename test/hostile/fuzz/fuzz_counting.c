@@ -20,7 +20,7 @@ typedef struct counted {
     vdna_window *window;
     void *mem; /* NULL = not made */
     size_t mem_size;
-    uint64_t mass[NEURONS];
+    uint64_t mass[NEURONS], frames;
     vdna_activations shape[TAPS]; /* of a window's frames, borrowed by it */
     size_t tap_count;
     uint32_t capacity;
@@ -190,8 +190,10 @@ static void add(calls *c, machine *m)
     const vdna_status status = vdna_hist_add(&x->hist, f.taps, tap_count);
     MUST(status == vdna_activations_check(f.taps, tap_count, x->hist.neurons));
     require_unchanged_on_error(before, status);
-    if (status == VDNA_OK)
+    if (status == VDNA_OK) {
         add_mass(x->mass, &f);
+        x->frames++;
+    }
     free(f.values);
 }
 
@@ -209,6 +211,8 @@ static void merge_or_subtract(calls *c, machine *m)
          status == (is_merge ? VDNA_ERR_FULL : VDNA_ERR_UNDERFLOW));
     for (size_t n = 0; n < NEURONS && status == VDNA_OK; n++)
         x->mass[n] += is_merge ? y->mass[n] : 0 - y->mass[n];
+    if (status == VDNA_OK)
+        x->frames += is_merge ? y->frames : 0 - y->frames;
 }
 
 static void reset_hist(calls *c, machine *m)
@@ -218,6 +222,7 @@ static void reset_hist(calls *c, machine *m)
         return;
     vdna_hist_reset(&x->hist);
     memset(x->mass, 0, sizeof x->mass);
+    x->frames = 0;
 }
 
 /* ---- distances */
@@ -508,8 +513,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     for (size_t left = CALLS; left > 0 && has_more(&c); left--) {
         operations[below(&c, sizeof operations / sizeof *operations)](&c, &m);
         for (size_t i = 0; i < HISTS; i++)
-            if (m.hists[i].mem)
+            if (m.hists[i].mem) {
                 check_hist(&m.hists[i].hist, m.hists[i].mass);
+                MUST(m.hists[i].hist.frames == m.hists[i].frames);
+            }
     }
     for (size_t i = 0; i < HISTS; i++)
         drop(&m.hists[i]);
