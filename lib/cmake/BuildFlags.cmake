@@ -22,7 +22,10 @@ endif()
 add_library(vdna_hardening INTERFACE)
 target_compile_options(vdna_hardening INTERFACE -fstack-protector-strong)
 # Needs optimisation, and has no place beside a sanitizer, which sees more.
-set(VDNA_FORTIFIES "$<AND:$<CONFIG:Release,RelWithDebInfo,MinSizeRel>,$<NOT:$<BOOL:${VDNA_SANITIZE}>>>")
+set(VDNA_FORTIFIES "$<CONFIG:Release,RelWithDebInfo,MinSizeRel>")
+if(VDNA_SANITIZE)
+  set(VDNA_FORTIFIES 0)
+endif()
 target_compile_options(vdna_hardening INTERFACE
   "$<${VDNA_FORTIFIES}:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=3>")
 
