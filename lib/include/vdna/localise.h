@@ -69,7 +69,7 @@ extern "C" {
 #define VDNA_LOCALISE_DIM_MAX 1048576 /**< numbers in an embedding to localise by */
 #define VDNA_GEARS_MAX 8              /**< gears of a filter */
 #define VDNA_GEAR_SHARES 6            /**< frames over which one gear spreads */
-#define VDNA_GEAR_FIRST_MIN -8        /**< least `first` of a gear */
+#define VDNA_GEAR_FIRST_MIN (-8)      /**< least `first` of a gear */
 #define VDNA_GEAR_FIRST_MAX 3         /**< greatest `first` of a gear */
 
 /** Frames by which a filter should find its place before its answers are used: feed so many of the
