@@ -120,7 +120,7 @@ class Network(WithConfiguration):
             vdna("play", LIVE, "--frames", 12)
             watch.wait_for("ranking")
             vdna("command", "reset")
-            watch.wait_for("status", lambda status: status["state"] == "WARMUP")
+            watch.wait_for("status", lambda status: status["experience"] == "")
             vdna("play", LIVE, "--frames", 12)
             watch.wait_for("ranking")
             watch.wait_for("status", lambda status: status["state"] in ("VALID", "UNSURE"))

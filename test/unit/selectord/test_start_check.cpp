@@ -60,8 +60,8 @@ void a_network_that_repeats_itself_is_accepted(void **)
 
 void one_that_gives_other_numbers_the_second_time_is_refused(void **)
 {
-    assert_non_null(std::strstr(refusal(run_and_add, 0, 1e-6F).c_str(),
-                                "other numbers for the same picture"));
+    assert_non_null(
+        std::strstr(refusal(run_and_add, 0, 1e-6F).c_str(), "other numbers for the same picture"));
 }
 
 void one_that_gives_numbers_that_are_not_finite_is_refused(void **)
