@@ -41,6 +41,7 @@ void run(CLI::App &app, int argc, char **argv)
 
 } // namespace
 
+// NOLINTNEXTLINE(bugprone-exception-escape): only of options that clash
 int main(int argc, char **argv)
 {
     vdna::program::catch_interrupts();

@@ -17,8 +17,8 @@ import time
 import unittest
 
 import own_network
-from selectord import (BIN, Camera, Selectord, Watch, WithConfiguration, image_message, jpegs_in,
-                       lcm_log, localisation_message, selectord, vdna, vdna_json)
+from selectord import (BIN, SANITIZED, Camera, Selectord, Watch, WithConfiguration, image_message,
+                       jpegs_in, lcm_log, localisation_message, selectord, vdna, vdna_json)
 
 WORK = os.path.abspath("daemon")
 MAP = os.path.join(WORK, "map")
@@ -282,6 +282,7 @@ class Network(WithConfiguration):
                     for name in ("queue", "decode", "resize", "inference", "select", "publish"))
         self.assertLessEqual(parts, status["total"]["newest_us"])
 
+    @unittest.skipIf(SANITIZED, "a sanitizer keeps what is freed")
     def test_memory_stays_flat_while_frames_come(self):
         # The drive comes again and again, which a camera's pictures do not.
         repeated = self.configure("[camera]\nhealth = false\n")
