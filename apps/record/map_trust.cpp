@@ -31,14 +31,6 @@ std::vector<size_t> known_runs(const std::string &map,
     return known;
 }
 
-bool has_distances(const MapTrust &trust)
-{
-    for (size_t i = 0; i < size_t{trust->runs} * trust->runs; i++)
-        if (i % (size_t{trust->runs} + 1) != 0 && std::isnan(trust->tables.cells[i].distance[0]))
-            return false;
-    return true;
-}
-
 std::string runs_text(uint32_t count)
 {
     return std::to_string(count) + (count == 1 ? " experience" : " experiences");
@@ -53,20 +45,13 @@ std::string skill_text(const vdna_trust_fit &fit)
     return fit.skill > 0 ? skill : skill + ": here distances say nothing about it";
 }
 
-std::string sentence_of(const MapTrust &trust, const vdna_trust_fit &fit)
+std::string sentence_of(const Trust &trust)
 {
-    const std::string needed = "no predicted recall: " + std::to_string(VDNA_TRUST_RUNS_MIN) +
-                               " labelled experiences are needed, ";
-    if (trust->runs < VDNA_TRUST_RUNS_MIN)
-        return needed + "the map has " + runs_text(trust->runs) + "; record more";
-    if (!has_distances(trust))
-        return "no predicted recall: no file keeps the activations that it needs, and the "
-               "network's last layer, which may stand for them, is not its only tap";
-    if (fit.labelled < VDNA_TRUST_RUNS_MIN)
-        return needed + std::to_string(fit.labelled) + " of " + std::to_string(trust->runs) +
-               " are; build them with places or positions of one frame";
+    if (!trust.why_no_predictions().empty())
+        return "no predicted recall: " + trust.why_no_predictions();
+    const vdna_trust_fit &fit = trust.fit();
     return "predicted recall from " + std::to_string(fit.labelled) + " labelled of " +
-           runs_text(trust->runs) + "; " + skill_text(fit);
+           runs_text(static_cast<uint32_t>(trust.runs().size())) + "; " + skill_text(fit);
 }
 
 } // namespace
@@ -99,16 +84,14 @@ SelfKnowledge self_knowledge_of(const std::string &map,
                                 const std::vector<vdna_experience> &experiences)
 {
     SelfKnowledge self{"", {}, 0, std::nan("")};
-    const MapTrust trust(map, experiences.data(), experiences.size());
-    if (!trust) {
-        self.sentence = "no predicted recall: " + trust.why_not();
+    const Trust trust(map, experiences);
+    self.sentence = sentence_of(trust);
+    const MapTrust known(map, experiences.data(), experiences.size());
+    if (!known)
         return self;
-    }
-    const vdna_trust_fit fit = Trust(map, experiences).fit();
-    self.sentence = sentence_of(trust, fit);
-    self.tolerance = trust->tolerance;
-    self.labelled = trust->runs > 1 ? fit.labelled : 0;
-    self.skill = fit.skill;
+    self.tolerance = known->tolerance;
+    self.labelled = known->runs > 1 ? trust.fit().labelled : 0;
+    self.skill = trust.fit().skill;
     return self;
 }
 

@@ -24,8 +24,8 @@ struct Options {
 
 const char *const footer = R"(
 Camera frames (bot_core.image_t) come in over LCM. The first ones are compared with the Visual DNA
-of every experience of the map; the nearest experience is chosen and later frames are localised in
-it. Answers go out on the channels of the [lcm] section; see --print-config for all settings.
+of every experience of the map; the one that promises most is chosen, unless none fits, and later
+frames are localised in it. It is chosen again while driving ([select]). Answers go out on the channels of the [lcm] section; see --print-config for all settings.
 Memory is fixed before it runs: --print-memory states it, [memory] budget_mb limits it; [cpu] sets
 the processors. The network runs in a process of its own, which is started again if it crashes or
 hangs ([backbone] process and budget_ms).

@@ -14,6 +14,8 @@
 
 #include <vdna/transport.h>
 
+#include "program/choice_sentence.hpp"
+
 namespace vdna::telemetry
 {
 
@@ -139,7 +141,23 @@ std::string prediction_text(double recall, double low, double high)
                               : format(", predicted recall %.2f (%.2f to %.2f)", recall, low, high);
 }
 
-// Two or three lines about the ranking as a whole, then one line per experience.
+program::Choice choice_of(const vdna_msg_ranking_t &message)
+{
+    return {message.experience[0],
+            message.previous,
+            message.count,
+            message.window_frames,
+            0,
+            message.verdict,
+            message.unlike,
+            message.predicted_recall[0],
+            message.predicted_low[0],
+            message.predicted_high[0],
+            message.no_prediction,
+            message.skill};
+}
+
+// Two lines about the ranking as a whole, then one line per experience.
 std::string text_of(const vdna_msg_ranking_t &message)
 {
     std::string text =
@@ -147,10 +165,8 @@ std::string text_of(const vdna_msg_ranking_t &message)
                "backbone %s",
                validity_of(message), message.verdict[0] ? " " : "", message.verdict,
                message.window_frames, message.ranked_by, message.margin_bins, message.backbone);
-    if (message.previous[0])
-        text += format(", in place of %s", message.previous);
-    if (message.no_prediction[0])
-        text += format("\n             recall is not predicted: %s", message.no_prediction);
+    if (message.count > 0)
+        text += format("\n             %s", program::sentence_of(choice_of(message)).data());
     for (int32_t i = 0; i < message.count; i++)
         text += format("\n%11d  %-32s %9.3f bins%s", i + 1, message.experience[i],
                        message.distance_bins[i], message.tied[i] ? "  tied" : "") +

@@ -53,6 +53,8 @@ FIGURES = [
      further("beyond_inference_ms"), "<=", 1, "ms"),
     ("drive", "last frame mugs_vitb16, K=100", "beyond one inference",
      further("beyond_inference_ms"), "<=", 5, "ms"),
+    ("drive", "choosing again efficientnet_lite0, K=4", "over one choice, processor time",
+     further("over_single_percent"), "<=", 10, "%"),
     *[("core", f"histogram {shape}", what, number, bound[0], bound[1], unit)
       for shape in ("128x1", "768x197", "1280x1")
       for what, number, bound, unit in (

@@ -23,6 +23,7 @@ def run(context):
             yield drive(context, name, context.scene.int8_manifest(name), "int8")
     for count in [2] if context.tiny else [4, 100]:
         yield last_frame(context, names[0] if context.tiny else "mugs_vitb16", count)
+    yield choosing_again(context, "efficientnet_lite0", 2 if context.tiny else 4)
     yield long_run(context, names[0])
 
 
@@ -113,6 +114,31 @@ def last_frame(context, name, count):
                  for stage in ("queue", "decode", "resize", "rank", "publish")}
     return (f"last frame {name}, K={count}", "ms", 1e3, summary(blocks[2:]),
             {"beyond_inference_ms": sum(stages_ms.values()), "rank_ms": stages_ms["rank"]})
+
+
+def choosing_again(context, name, count):
+    """Processor time of a frame after the choice, with and without reconsidering it."""
+    manifest, frames = context.scene.manifest(name), 5 if context.tiny else 50 if context.quick else 100
+    pictures = [file.read_bytes() for file in context.scene.pictures(10 if context.tiny else 20)]
+    folder = context.scene.map(manifest, count)
+    spent = {"true": [], "false": []}
+    for reselect in ["true", "false"] * (2 if context.tiny else 5):
+        settings = context.scene.folder / f"reselect-{reselect}.toml"
+        settings.write_text(f"[select]\nreselect = {reselect}\n", encoding="ascii")
+        options = ("--map", folder, "--backbone", manifest, "--warmup-frames", 2, "-c", settings)
+        with Answers() as answers, Camera() as camera, Selectord(*options) as daemon:
+            course = Drive(camera, answers, daemon)
+            for utime in range(5):  # the choice, and whatever the first frames take
+                course.ask(utime, pictures[utime])
+            before = sum(map(ran, daemon.pids))
+            for utime in range(5, 5 + frames):
+                course.ask(utime, pictures[utime % len(pictures)])
+            spent[reselect].append((sum(map(ran, daemon.pids)) - before) / frames)
+    again, single = (statistics.median(spent[reselect]) for reselect in ("true", "false"))
+    timed = {"median": again, "least": min(spent["true"]), "most": max(spent["true"]),
+             "rounds": len(spent["true"]), "peers": {}, "waited": 0}
+    return (f"choosing again {name}, K={count}", "ms/frame", 1e3, timed,
+            {"single_ms": 1e3 * single, "over_single_percent": 100 * (again / single - 1)})
 
 
 def long_run(context, name):

@@ -169,6 +169,8 @@ void fill_ranking(Sample<vdna_msg_ranking_t> &ranking)
     ranking->predicted_recall[0] = 0.75;
     ranking->predicted_low[0] = 0.5;
     ranking->predicted_high[0] = 1;
+    ranking->skill = NAN;
+    ranking->unlike = NAN;
 }
 
 void a_ranking_says_by_what_it_ranks_and_what_to_expect(void **)
@@ -177,23 +179,27 @@ void a_ranking_says_by_what_it_ranks_and_what_to_expect(void **)
     fill_ranking(ranking);
     assert_string_equal(ranking.text().c_str(),
                         "ranking      VALID after 42 frames, by emd, margin 1.750 bins, backbone "
-                        "text\n          1  text                                 5.500 bins, "
-                        "predicted recall 0.75 (0.50 to 1.00)");
+                        "text\n             selected text of 1 after 42 frames: expects 75 % (50 "
+                        "to 100) of frames right\n          1  text                             "
+                        "    5.500 bins, predicted recall 0.75 (0.50 to 1.00)");
+    std::strcpy(ranking->no_prediction, "why");
+    assert_true(ranking.text().find("; no prediction: why\n") != std::string::npos);
+    std::strcpy(ranking->previous, "snow");
+    assert_true(ranking.text().find(" in place of snow, ") != std::string::npos);
 }
 
-void a_ranking_says_what_does_not_fit_and_why_nothing_is_predicted(void **)
+void a_ranking_says_what_does_not_fit_and_what_would_help(void **)
 {
     Sample<vdna_msg_ranking_t> ranking(vdna_message_ranking);
     fill_ranking(ranking);
     ranking->validity = VDNA_MSG_RANKING_T_NONE_FITS;
-    std::strcpy(ranking->verdict, "poor");
-    std::strcpy(ranking->previous, "snow");
-    std::strcpy(ranking->no_prediction, "why");
+    std::strcpy(ranking->verdict, "unlike");
     ranking->predicted_recall[0] = NAN;
     assert_string_equal(ranking.text().c_str(),
-                        "ranking      NONE_FITS poor after 42 frames, by emd, margin 1.750 bins, "
-                        "backbone text, in place of snow\n             recall is not predicted: "
-                        "why\n          1  text                                 5.500 bins");
+                        "ranking      NONE_FITS unlike after 42 frames, by emd, margin 1.750 "
+                        "bins, backbone text\n             none of 1 experiences looks like this "
+                        "run; record one now with `vdna build`\n          1  text                "
+                        "                 5.500 bins");
     assert_true(ranking.json()["ranking"][0]["predicted_low"] == 0.5);
     ranking->count = SAMPLE_COUNT;
 }
@@ -271,7 +277,7 @@ int main()
         cmocka_unit_test(a_position_in_a_local_frame_is_shown_in_metres_with_the_frame),
         cmocka_unit_test(an_unsure_answer_says_how_unsure),
         cmocka_unit_test(a_ranking_says_by_what_it_ranks_and_what_to_expect),
-        cmocka_unit_test(a_ranking_says_what_does_not_fit_and_why_nothing_is_predicted),
+        cmocka_unit_test(a_ranking_says_what_does_not_fit_and_what_would_help),
         cmocka_unit_test(where_no_experience_fits_there_is_a_place_and_in_a_changed_map_none),
         cmocka_unit_test(every_state_has_a_name_of_its_own),
         cmocka_unit_test(a_status_says_what_of_the_map_is_not_in_use),

@@ -5,6 +5,7 @@
 #define VDNA_CPP_TRUST_HPP
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -100,6 +101,7 @@ class Trust
                 directory + ": trust");
         for (const vdna_experience &experience : experiences)
             runs_.push_back(trust_run_of(experience));
+        why_no_predictions_ = known ? why_not_by(known->tables) : why_no_tables_;
     }
 
     /** The same of an open map, which must outlive runs(). */
@@ -116,11 +118,55 @@ class Trust
     /** Why the map knows nothing about itself, and what to do; "" if it does. */
     const std::string &why_no_tables() const { return why_no_tables_; }
 
+    /** Why nothing is predicted for any run, and what to do; "" if something is. */
+    const std::string &why_no_predictions() const { return why_no_predictions_; }
+
+    /** Why a candidate has no prediction, to follow "no prediction: ".
+     *  @param reason  of vdna_trust_prediction
+     *  @return borrowed; "" for VDNA_TRUST_REASON_NONE */
+    const char *text_of(uint32_t reason) const
+    {
+        const bool is_of_map =
+            reason == VDNA_TRUST_REASON_NO_TABLES || reason == VDNA_TRUST_REASON_FEW_RUNS;
+        return is_of_map ? why_no_predictions_.c_str() : vdna_trust_reason_text(reason);
+    }
+
+    /** Bytes that it holds, but for the reasons. */
+    size_t memory_size() const
+    {
+        return memory_.size() * sizeof memory_[0] + runs_.size() * sizeof runs_[0];
+    }
+
     /** The experiences, by which live frames are compared with them: see vdna_trust_nearest(). */
     const std::vector<vdna_trust_run> &runs() const { return runs_; }
 
   private:
-    std::string why_no_tables_;
+    static bool has_distances(const vdna_trust_tables &tables, size_t runs)
+    {
+        for (size_t i = 0; i < runs * runs; i++)
+            if (i % (runs + 1) != 0 && std::isnan(tables.cells[i].distance[0]))
+                return false;
+        return true;
+    }
+
+    std::string why_not_by(const vdna_trust_tables &tables) const
+    {
+        const size_t runs = runs_.size(), labelled = fit().labelled;
+        const std::string needed =
+            std::to_string(VDNA_TRUST_RUNS_MIN) + " labelled experiences are needed, ";
+        if (runs < VDNA_TRUST_RUNS_MIN)
+            return needed + "the map has " + std::to_string(runs) +
+                   (runs == 1 ? " experience" : " experiences") + "; record more";
+        if (!has_distances(tables, runs))
+            return "no file keeps the activations that it needs, and the network's last layer, "
+                   "which may stand for them, is not its only tap";
+        if (labelled < VDNA_TRUST_RUNS_MIN)
+            return needed + std::to_string(labelled) + " of " + std::to_string(runs) +
+                   " are; build them with places or positions of one frame";
+        return "";
+    }
+
+    std::string why_no_tables_, why_no_predictions_;
     std::vector<int64_t> memory_;
     vdna_trust *trust_ = nullptr; // within the memory
     std::vector<vdna_trust_run> runs_;

@@ -1,0 +1,106 @@
+// What people are told about a choice.
+#include <cmath>
+#include <string>
+
+#include "cmocka.hpp"
+#include "program/choice_sentence.hpp"
+
+namespace
+{
+
+using vdna::program::Choice;
+
+const Choice sure{"winter", "", 4, 31, 100, "", -0.2, 0.934, 0.85, 0.972, "", 0.4};
+
+void expect(const Choice &choice, const char *sentence)
+{
+    assert_string_equal(vdna::program::sentence_of(choice).data(), sentence);
+}
+
+void a_choice_says_after_how_many_frames_and_how_sure(void **)
+{
+    expect(sure,
+           "selected winter of 4 after 31 of 100 frames: expects 93 % (85 to 97) of frames right");
+    Choice whole = sure;
+    whole.frames = 100;
+    expect(whole, "selected winter of 4 after 100 frames: expects 93 % (85 to 97) of frames right");
+    whole.frames = 1;
+    whole.warmup_frames = 0;
+    expect(whole, "selected winter of 4 after 1 frame: expects 93 % (85 to 97) of frames right");
+}
+
+void a_map_whose_distances_say_nothing_is_told(void **)
+{
+    Choice choice = sure;
+    choice.skill = -0.125;
+    expect(choice,
+           "selected winter of 4 after 31 of 100 frames: expects 93 % (85 to 97) of frames right; "
+           "in this map distances say nothing about that (skill -0.12)");
+    choice.skill = NAN;
+    expect(choice,
+           "selected winter of 4 after 31 of 100 frames: expects 93 % (85 to 97) of frames right");
+}
+
+void a_choice_without_prediction_says_why(void **)
+{
+    Choice choice = sure;
+    choice.predicted_recall = choice.predicted_low = choice.predicted_high = NAN;
+    choice.no_prediction = "3 labelled experiences are needed, 2 of 4 are";
+    expect(choice, "selected winter of 4 after 31 of 100 frames; no prediction: 3 labelled "
+                   "experiences are needed, 2 of 4 are");
+    choice.no_prediction = "";
+    expect(choice, "selected winter of 4 after 31 of 100 frames");
+}
+
+void a_run_unlike_all_is_told_what_would_help(void **)
+{
+    Choice choice = sure;
+    choice.verdict = "unlike";
+    choice.unlike = std::log(1.4);
+    expect(choice, "none of 4 experiences looks like this run: the nearest is 1.40 times as far "
+                   "from it as the loneliest of them is from the others; record one now with "
+                   "`vdna build`");
+    choice.unlike = NAN;
+    expect(choice, "none of 4 experiences looks like this run; record one now with `vdna build`");
+}
+
+void too_poor_a_choice_is_told_what_would_help(void **)
+{
+    Choice choice = sure;
+    choice.verdict = "poor";
+    expect(choice, "none of 4 experiences is good enough: the least bad, winter, expects 93 % "
+                   "(85 to 97) of frames right; record one now with `vdna build`");
+}
+
+void another_choice_while_driving_says_what_it_replaces(void **)
+{
+    Choice choice = sure;
+    choice.previous = "summer";
+    choice.predicted_recall = NAN;
+    expect(choice, "selected winter of 4 in place of summer, which the newest frames suit less");
+}
+
+void a_long_reason_is_cut(void **)
+{
+    const std::string reason(5000, 'x');
+    Choice choice = sure;
+    choice.no_prediction = reason.c_str();
+    const auto sentence = vdna::program::sentence_of(choice);
+    assert_int_equal(std::string(sentence.data()).size(), sentence.size() - 1);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(a_choice_says_after_how_many_frames_and_how_sure),
+        cmocka_unit_test(a_map_whose_distances_say_nothing_is_told),
+        cmocka_unit_test(a_choice_without_prediction_says_why),
+        cmocka_unit_test(a_run_unlike_all_is_told_what_would_help),
+        cmocka_unit_test(too_poor_a_choice_is_told_what_would_help),
+        cmocka_unit_test(another_choice_while_driving_says_what_it_replaces),
+        cmocka_unit_test(a_long_reason_is_cut),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
