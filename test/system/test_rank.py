@@ -39,7 +39,7 @@ def write_pixels(folder, pixels):
 class Rank(Scratch):
     @classmethod
     def setUpClass(cls):
-        cls.drives = Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="vdna-trust-")))
+        cls.drives = Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="vdna-rank-")))
         for i, condition in enumerate(DAYS):
             simulate(cls.drives / condition, condition, i)
             shutil.copytree(cls.drives / condition, cls.drives / "bare" / condition,
