@@ -46,8 +46,9 @@ constexpr double backbone_budget_ms_max = 60000;
 constexpr double budget_mb_max = 1u << 20;
 constexpr double nice_max = 19;
 constexpr double tolerance_max = 1e6;
+constexpr double switch_cost_max = 1e6;
 
-const std::array<Setting, 33> settings{{
+const std::array<Setting, 38> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max},
     {"map", "copy", &Config::copy_map, 0, 0},
     {"map", "leave_out_damaged", &Config::leave_out_damaged, 0, 0},
@@ -60,6 +61,11 @@ const std::array<Setting, 33> settings{{
     {"warmup", "seconds", &Config::warmup_seconds, warmup_seconds_min, warmup_seconds_max},
     {"warmup", "frames_min", &Config::warmup_frames_min, 1, UINT32_MAX},
     {"select", "top", &Config::top, 1, UINT32_MAX},
+    {"select", "rank", &Config::rank, 1, path_max},
+    {"select", "min_recall", &Config::min_recall, 0, 1},
+    {"select", "stop_early", &Config::stop_early, 0, 0},
+    {"select", "reselect", &Config::reselect, 0, 0},
+    {"select", "switch_cost", &Config::switch_cost, 1, switch_cost_max},
     {"localise", "filter", &Config::place_filter, 0, 0},
     {"localise", "min_confidence", &Config::min_confidence, 0, 1},
     {"localise", "tolerance", &Config::tolerance, 0, tolerance_max},
@@ -222,6 +228,15 @@ void settle_warmup(const std::string &path, const toml::table &root, Config &con
         config.warmup_frames = 0;
 }
 
+void require_known_rank(const std::string &path, const toml::table &root, const Config &config)
+{
+    if (config.rank != "transfer" && config.rank != "emd")
+        fail(path, root["select"]["rank"].node()->source().begin,
+             "[select] rank is \"" + config.rank +
+                 "\", expected \"transfer\" or \"emd\"; correct it, or remove it to get the "
+                 "default");
+}
+
 std::string read_text(const std::string &path)
 {
     constexpr size_t size_max = 64 * 1024;
@@ -290,6 +305,7 @@ Config read_config(const std::string &path)
         read_section(path, section, *node.as_table(), config);
     }
     settle_warmup(path, root, config);
+    require_known_rank(path, root, config);
     require_different_channels(path, config);
     return config;
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <vdna/backbone.h>
+#include <vdna/cpp/trust.hpp>
 #include <vdna/select.h>
 #include <vdna/transport.h>
 
@@ -30,9 +31,14 @@ struct Config {
     uint32_t warmup_frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT;
     // A camera frame this much older than the newest is late and left out.
     double late_seconds = VDNA_TIME_LATE_US_DEFAULT / 1e6;
-    // Localise in so many of the nearest experiences at once.
+    // Localise in so many of the first experiences of the ranking at once.
     uint32_t top = 1;
-    bool place_filter = true; // otherwise by the nearest frame alone
+    std::string rank = "transfer"; // where labels allow it, otherwise, or as "emd", by distance
+    double min_recall = 0;         // NONE_FITS if a lower one is predicted of the best experience
+    bool stop_early = true;        // choose as soon as the choice has settled
+    bool reselect = true;          // choose again while driving; only with the place filter
+    double switch_cost = trust_defaults().switch_cost; // frames that a switch must gain
+    bool place_filter = true;                          // otherwise by the nearest frame alone
     double min_confidence = VDNA_LOCALISE_MIN_CONFIDENCE_DEFAULT; // below it an answer is UNSURE
     double tolerance = 5;     // metres, or place numbers: as far apart, frames are the same place
     bool frame_health = true; // leave out pictures that show nothing, or nothing new

@@ -46,6 +46,8 @@ const char *sentence_of(uint32_t verdict)
     }
 }
 
+constexpr const char *is_lost = "the places jump as on another route";
+
 // Whether the frame went into the selection.
 bool is_used(const vdna_msg_localisation_t &answer)
 {
@@ -168,7 +170,7 @@ Facts Daemon::facts(vdna_transport *transport) const
     facts.now_us = program::monotonic_us();
     facts.camera = *vdna_transport_count(transport);
     facts.overheard = vdna_transport_overheard_channels(transport, &facts.overheard_count);
-    facts.selected = vdna_select_state(session_->select()) == VDNA_SELECT_SELECTED;
+    facts.selected = vdna_select_state(session_->select()) != VDNA_SELECT_WARMUP;
     facts.progress = vdna_select_progress(session_->select());
     facts.accepted = counts.accepted;
     facts.refused = refused_;
@@ -229,6 +231,7 @@ void Daemon::go_on_reloading(const ServiceManager &manager)
         next->count_on_from(*session_);
         session_ = std::move(next);
         map_is_old_ = false;
+        session_->say_no_trust();
         reloads_.note(program::monotonic_us(), "the map is reloaded: %zu experiences, warming up",
                       session_->experiences().size());
     } catch (const std::exception &error) {
@@ -303,8 +306,10 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
     }
     const vdna_select_frame live{frame.utime, seen.taps, seen.tap_count,
                                  session_->embedding_of(seen)};
+    const uint64_t switches = vdna_select_switches(session_->select());
     vdna_select_answer found;
-    const vdna_status status = vdna_select_feed(session_->select(), &live, &found);
+    const vdna_status status =
+        vdna_select_feed_seen(session_->select(), &live, session_->last_layer_of(seen), &found);
     if (status == VDNA_ERR_LATE)
         return {};
     if (const char *fault = session_->fault(); fault[0] != '\0')
@@ -319,12 +324,13 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
     if (found.restarted)
         problems_.note(program::monotonic_us(), "the warmup began anew, %s",
                        vdna_restart_text(found.restarted));
-    if (found.newly_ranked)
-        announce_choice(transport);
+    const bool is_switch = vdna_select_switches(session_->select()) != switches;
+    if (found.newly_ranked || is_switch)
+        announce_choice(transport, is_switch);
     if (!found.localised)
         return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_WARMING_UP);
     localised_++;
-    return place_of(found.match, frame.utime);
+    return trusted_place_of(found.match, frame.utime);
 }
 
 const char *Daemon::fault_of(const vdna_backbone_frame &seen)
@@ -375,6 +381,10 @@ State Daemon::state()
                 "no frame has been used for longer than camera.stale_seconds", age_us};
     if (vdna_select_state(session_->select()) == VDNA_SELECT_WARMUP)
         return {VDNA_MSG_STATUS_T_WARMUP, "", age_us};
+    if (vdna_select_state(session_->select()) == VDNA_SELECT_NONE_FITS)
+        return {VDNA_MSG_STATUS_T_NONE_FITS, session_->ranking().sentence(), age_us};
+    if (vdna_select_is_lost(session_->select()))
+        return {VDNA_MSG_STATUS_T_UNSURE, is_lost, age_us};
     const bool is_unsure = validity_ == VDNA_MSG_LOCALISATION_T_UNSURE;
     return {is_unsure ? VDNA_MSG_STATUS_T_UNSURE : VDNA_MSG_STATUS_T_VALID, "", age_us};
 }
@@ -388,6 +398,24 @@ vdna_msg_localisation_t Daemon::place_of(const vdna_knn_match &match, int64_t ut
     return position_in(experiences[where->candidate], where->answer, config_.min_confidence, utime);
 }
 
+vdna_msg_localisation_t Daemon::trusted_place_of(const vdna_knn_match &match, int64_t utime) const
+{
+    const vdna_select *const select = session_->select();
+    vdna_msg_localisation_t place = place_of(match, utime);
+    const auto say = [&place](int32_t validity, const char *reason) {
+        place.validity = validity;
+        place.reason = const_cast<char *>(reason); // publishing changes nothing
+    };
+    const vdna_select_position *const where = vdna_select_where(select);
+    const uint32_t candidate = where ? where->candidate : vdna_select_chosen(select);
+    expect(session_->ranking().prediction(*select, candidate), place);
+    if (vdna_select_state(select) == VDNA_SELECT_NONE_FITS)
+        say(VDNA_MSG_LOCALISATION_T_NONE_FITS, session_->ranking().sentence());
+    else if (vdna_select_is_lost(select))
+        say(VDNA_MSG_LOCALISATION_T_UNSURE, is_lost);
+    return place;
+}
+
 vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const char *reason,
                                        int32_t validity)
 {
@@ -398,14 +426,11 @@ vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const 
     return no_position(frame.utime, validity, refusal_.data());
 }
 
-void Daemon::announce_choice(vdna_transport *transport)
+void Daemon::announce_choice(vdna_transport *transport, bool is_switch)
 {
-    const vdna_msg_ranking_t &ranking = session_->ranking().fill(*session_->select());
+    const vdna_msg_ranking_t &ranking = session_->ranking().fill(*session_->select(), is_switch);
     publish(transport, config_.ranking_channel, vdna_message_ranking, &ranking);
-    choices_.note(program::monotonic_us(),
-                  "selected %s of %d after %d frames: distance %.3f bins, margin %.3f bins",
-                  ranking.experience[0], ranking.count, ranking.window_frames,
-                  ranking.distance_bins[0], ranking.margin_bins);
+    choices_.note(program::monotonic_us(), "%s", session_->ranking().sentence());
 }
 
 Resident Daemon::resident() const
@@ -431,6 +456,7 @@ void Daemon::publish_status(vdna_transport *transport)
                           standby_.serving_utime(),
                           state(),
                           *session_->select(),
+                          session_->ranking(),
                           *vdna_transport_count(transport),
                           session_->experiences(),
                           session_->left_out(),

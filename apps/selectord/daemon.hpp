@@ -83,9 +83,12 @@ class Daemon
               vdna_msg_localisation_t answer);
     State state();
     vdna_msg_localisation_t place_of(const vdna_knn_match &match, int64_t utime) const;
+    // The place, and what it is worth by what is known about the choice.
+    vdna_msg_localisation_t trusted_place_of(const vdna_knn_match &match, int64_t utime) const;
     vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason,
                                    int32_t validity = VDNA_MSG_LOCALISATION_T_REFUSED);
-    void announce_choice(vdna_transport *transport);
+    // is_switch: it replaces another while driving
+    void announce_choice(vdna_transport *transport, bool is_switch);
     Resident resident() const;
     const char *problem() const;
     void publish_status(vdna_transport *transport);

@@ -180,6 +180,7 @@ program::ExitCode run(int argc, char **argv)
     if (config.lock_memory)
         lock_memory();
     say_large_map(memory);
+    daemon.session().say_no_trust();
     say_ready(config, daemon.session().experiences(), backbone);
 
     daemon.run(connection.get(), stop.requested(), manager);

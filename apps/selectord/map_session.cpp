@@ -38,6 +38,26 @@ Localising localising_of(const std::vector<std::unique_ptr<ExperienceLocaliser>>
     return localising;
 }
 
+vdna_trust_config trust_config_of(const Config &config)
+{
+    vdna_trust_config trust = trust_defaults();
+    trust.min_recall = config.min_recall;
+    trust.switch_cost = config.switch_cost;
+    return trust;
+}
+
+Trusting trusting_of(Trust &trust, const Config &config)
+{
+    Trusting trusting;
+    trusting.trust = trust.get();
+    trusting.runs = trust.runs().data();
+    if (config.rank == "transfer")
+        trusting.rank = VDNA_SELECT_BY_TRANSFER;
+    trusting.stop_early = config.stop_early;
+    trusting.reselect = config.reselect && config.place_filter;
+    return trusting;
+}
+
 // "DIRECTORY/summer.vdna: ...": how many serve without it.
 std::string left_out_text(const Map &map, const std::string &reason)
 {
@@ -96,13 +116,21 @@ bool stays_in_memory(const Config &config)
 MapSession::MapSession(const Config &config, OpenedMap opened, const vdna_backbone_info &backbone)
     : map_(std::move(opened.map)), files_(std::move(opened.files)),
       left_out_text_(vdna::selectord::left_out_text(*map_)),
-      localisers_(localisers_in(*map_, config)),
+      localisers_(localisers_in(*map_, config)), trust_(*map_, trust_config_of(config)),
       selector_(map_->candidates(), experiences().front().identity.dim, warmup_of(config),
                 config.map_directory, {static_cast<int64_t>(config.late_seconds * 1e6)},
-                localising_of(localisers_, config.top)),
+                localising_of(localisers_, config.top), trusting_of(trust_, config)),
       projected_(experiences().front().identity.dim), map_hash_(map_->hash()),
-      ranking_(*map_, backbone, map_hash_)
+      ranking_(*map_, backbone, map_hash_, trust_, config.warmup_frames)
 {
+}
+
+// One experience alone has nothing to find out.
+void MapSession::say_no_trust() const
+{
+    if (experiences().size() > 1 && !trust_.why_no_tables().empty())
+        std::fprintf(stderr, "vdna_selectord: no recall is predicted: %s\n",
+                     trust_.why_no_tables().c_str());
 }
 
 const char *MapSession::fault()
@@ -120,6 +148,7 @@ FrameCounts MapSession::counts() const
     counts.accepted += vdna_select_accepted(select());
     counts.late += vdna_select_time(select())->late;
     counts.restarts += vdna_select_restarts(select());
+    counts.switches += vdna_select_switches(select());
     return counts;
 }
 
@@ -158,14 +187,14 @@ size_t MapSession::histogram_size() const
 
 size_t MapSession::size() const
 {
-    const size_t per_experience = sizeof(char *) + 2 * sizeof(double) + sizeof(int8_t);
-    return sizeof *this + selector_.memory_size() + projected_.size() * sizeof(float) +
-           experiences().size() * per_experience;
+    return sizeof *this + ranking_.memory_size() + selector_.memory_size() +
+           projected_.size() * sizeof(float);
 }
 
 uint64_t MapSession::held_bytes(bool files_stay) const
 {
-    return decoded_bytes() + localisers_size() + size() + (files_stay ? file_bytes() : 0);
+    return decoded_bytes() + localisers_size() + trust_size() + size() +
+           (files_stay ? file_bytes() : 0);
 }
 
 } // namespace vdna::selectord

@@ -9,6 +9,7 @@
 #include <vdna/cpp/experience_localiser.hpp>
 #include <vdna/cpp/map.hpp>
 #include <vdna/cpp/selector.hpp>
+#include <vdna/cpp/trust.hpp>
 
 #include "selectord/config.hpp"
 #include "selectord/map_files.hpp"
@@ -47,6 +48,9 @@ class MapSession
     size_t left_out() const { return map_->left_out().size(); }
     const std::string &left_out_text() const { return left_out_text_; }
 
+    // Print why the map knows nothing about itself, if it should and does not.
+    void say_no_trust() const;
+
     // Why nothing that is read from the map holds any more: a mapped file was changed in place. ""
     // if none was; asks the system each time until it is so, and then stays.
     const char *fault();
@@ -59,16 +63,25 @@ class MapSession
         return map_->embedding_of(seen, projected_);
     }
 
+    // The network's last layer of a frame; nullptr if it is not what the map has.
+    const float *last_layer_of(const vdna_backbone_frame &seen) const
+    {
+        return seen.last_layer_dim == experiences().front().last_layer_dim ? seen.last_layer
+                                                                           : nullptr;
+    }
+
     // Frames of this map, and of those before it.
     FrameCounts counts() const;
     // Go on counting where `before` ends.
     void count_on_from(const MapSession &before) { counts_before_ = before.counts(); }
 
-    // Bytes of the map's files; of embeddings decoded from them; of the localisers; of the live
-    // histogram; and of everything else that is held with the histogram.
+    // Bytes of the map's files; of embeddings decoded from them; of the localisers; of what is
+    // known about the choice; of the live histogram; and of everything else that is held with the
+    // histogram.
     uint64_t file_bytes() const;
     uint64_t decoded_bytes() const;
     size_t localisers_size() const;
+    size_t trust_size() const { return trust_.memory_size(); }
     size_t histogram_size() const;
     size_t size() const;
     // All of them that the system cannot take back: the files only if they stay in memory.
@@ -81,7 +94,8 @@ class MapSession
     std::string fault_;
     const std::vector<std::unique_ptr<ExperienceLocaliser>> localisers_; // one for each experience
                                                                          // if the filter is on
-    Selector selector_;                                                  // borrows them
+    Trust trust_;
+    Selector selector_;            // borrows both
     std::vector<float> projected_; // room for a live frame's embedding
     const std::string map_hash_;
     RankingReport ranking_; // borrows it

@@ -43,9 +43,12 @@ ProcessId identify_process()
 }
 
 RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone,
-                             const std::string &map_hash)
-    : experiences_(map.experiences()), names_(experiences_.size()), distances_(experiences_.size()),
-      tied_(experiences_.size()), unknown_(experiences_.size(), not_known)
+                             const std::string &map_hash, const Trust &trust,
+                             uint32_t warmup_frames)
+    : trust_(trust), warmup_frames_(static_cast<int>(warmup_frames)),
+      experiences_(map.experiences()), names_(experiences_.size()), distances_(experiences_.size()),
+      tied_(experiences_.size()), recalls_(experiences_.size()), lows_(experiences_.size()),
+      highs_(experiences_.size()), transfers_(experiences_.size())
 {
     message_.validity = VDNA_MSG_RANKING_T_VALID;
     message_.backbone = borrow(backbone.identity.backbone);
@@ -54,14 +57,17 @@ RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone,
     message_.ranked_by = borrow("emd");
     message_.verdict = message_.previous = borrow("");
     message_.no_prediction = borrow("");
-    message_.unlike = message_.skill = not_known;
+    message_.unlike = not_known;
+    const vdna_trust_fit &fit = trust.fit();
+    message_.skill = fit.labelled < VDNA_TRUST_SKILL_RUNS_MIN ? not_known : fit.skill;
     message_.count = static_cast<int32_t>(experiences_.size());
     message_.experience = names_.data();
     message_.distance_bins = distances_.data();
     message_.tied = tied_.data();
-    message_.predicted_recall = unknown_.data();
-    message_.predicted_low = message_.predicted_high = unknown_.data();
-    message_.transfer = unknown_.data();
+    message_.predicted_recall = recalls_.data();
+    message_.predicted_low = lows_.data();
+    message_.predicted_high = highs_.data();
+    message_.transfer = transfers_.data();
     for (size_t i = 0; i < names_.size(); i++)
         names_[i] = borrow(experiences_[i].name);
 }
@@ -72,20 +78,106 @@ uint32_t RankingReport::encoded_size() const
     return static_cast<uint32_t>(vdna_msg_ranking_t_encoded_size(&message_)) + texts_max;
 }
 
-const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select)
+size_t RankingReport::memory_size() const
 {
+    return names_.size() * (sizeof(char *) + 5 * sizeof(double) + sizeof(int8_t));
+}
+
+const vdna_trust_prediction *RankingReport::prediction(const vdna_select &select,
+                                                       uint32_t candidate) const
+{
+    const vdna_trust_prediction *const all = vdna_select_predictions(&select, nullptr);
+    return all && !is_switch_ ? &all[candidate] : nullptr;
+}
+
+int32_t RankingReport::settled_frames(const vdna_select &select) const
+{
+    const vdna_trust_answer *const trust = vdna_select_trust(&select);
+    const bool is_early = vdna_select_ranked_by(&select) == VDNA_SELECT_BY_RELATIVE;
+    return trust && is_early ? static_cast<int32_t>(trust->settled_frames) : 0;
+}
+
+namespace
+{
+
+const char *name_of_method(uint32_t method)
+{
+    return method == VDNA_SELECT_BY_TRANSFER   ? "transfer"
+           : method == VDNA_SELECT_BY_RELATIVE ? "relative"
+                                               : "emd";
+}
+
+const char *name_of_verdict(uint32_t verdict)
+{
+    return verdict == VDNA_TRUST_UNLIKE ? "unlike" : verdict == VDNA_TRUST_POOR ? "poor" : "";
+}
+
+} // namespace
+
+// The choice as a whole.
+void RankingReport::fill_trust(const vdna_select &select)
+{
+    const vdna_trust_answer &trust = *vdna_select_trust(&select);
+    const uint32_t chosen = vdna_select_chosen(&select);
+    const vdna_trust_prediction *const expected = prediction(select, chosen);
+    const bool fits = vdna_select_state(&select) != VDNA_SELECT_NONE_FITS;
+    message_.validity = fits ? VDNA_MSG_RANKING_T_VALID : VDNA_MSG_RANKING_T_NONE_FITS;
+    message_.verdict = borrow(fits ? "" : name_of_verdict(trust.verdict));
+    message_.unlike = trust.unlike;
+    message_.ranked_by = borrow(name_of_method(vdna_select_ranked_by(&select)));
+    message_.settled_frames = settled_frames(select);
+    message_.previous = borrow(is_switch_ ? experiences_[vdna_select_previous(&select)].name : "");
+    message_.no_prediction = borrow(expected ? trust_.text_of(expected->reason)
+                                             : "the warmup let another experience be chosen");
+}
+
+void RankingReport::fill_entry(const vdna_select &select, size_t at, const vdna_rank_entry &entry)
+{
+    names_[at] = borrow(experiences_[entry.candidate].name);
+    distances_[at] = entry.distance_bins;
+    tied_[at] = static_cast<int8_t>(entry.tied);
+    const vdna_trust_prediction *const expected = prediction(select, entry.candidate);
+    recalls_[at] = expected ? expected->recall : not_known;
+    lows_[at] = expected ? expected->low : not_known;
+    highs_[at] = expected ? expected->high : not_known;
+    transfers_[at] = expected ? expected->transfer : not_known;
+}
+
+const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select, bool is_switch)
+{
+    is_switch_ = is_switch;
     message_.utime = vdna_select_last_utime(&select);
     message_.window_begin_utime = vdna_select_first_utime(&select);
     message_.window_frames = static_cast<int32_t>(vdna_select_window_frames(&select));
     message_.margin_bins = vdna_select_margin_bins(&select);
     const vdna_rank_entry *const ranking = vdna_select_ranking(&select, nullptr);
-    for (size_t i = 0; i < experiences_.size(); i++) {
-        const vdna_rank_entry &entry = ranking[i];
-        names_[i] = borrow(experiences_[entry.candidate].name);
-        distances_[i] = entry.distance_bins;
-        tied_[i] = static_cast<int8_t>(entry.tied);
-    }
+    for (size_t i = 0; i < experiences_.size(); i++)
+        fill_entry(select, i, ranking[i]);
+    fill_trust(select);
+    sentence_ =
+        program::sentence_of({names_[0], message_.previous, message_.count, message_.window_frames,
+                              warmup_frames_, message_.verdict, message_.unlike, recalls_[0],
+                              lows_[0], highs_[0], message_.no_prediction, message_.skill});
     return message_;
+}
+
+namespace
+{
+
+// Of a message with these three fields.
+template <typename Message>
+void fill_expected(const vdna_trust_prediction *prediction, Message &message)
+{
+    message.predicted_recall = prediction ? prediction->recall : not_known;
+    message.predicted_low = prediction ? prediction->low : not_known;
+    message.predicted_high = prediction ? prediction->high : not_known;
+}
+
+} // namespace
+
+void expect(const vdna_trust_prediction *prediction, vdna_msg_localisation_t &message)
+{
+    fill_expected(prediction, message);
 }
 
 vdna_msg_localisation_t no_position(int64_t utime, int32_t validity, const char *reason)
@@ -98,7 +190,7 @@ vdna_msg_localisation_t no_position(int64_t utime, int32_t validity, const char 
     message.position_frame = borrow("");
     message.frame = message.nearest_frame = -1;
     message.confidence = message.distance = not_known;
-    message.predicted_recall = message.predicted_low = message.predicted_high = not_known;
+    fill_expected(nullptr, message);
     return message;
 }
 
@@ -202,6 +294,7 @@ void fill_counters(const StatusFacts &facts, vdna_msg_status_t &message)
     message.reordered_frames = static_cast<int64_t>(counters.reordered_frames);
     message.lost_frames = static_cast<int64_t>(counters.lost_frames);
     message.restarts = static_cast<int64_t>(facts.counts.restarts);
+    message.switches = static_cast<int64_t>(facts.counts.switches);
 }
 
 void fill_stages(const Stages &stages, vdna_msg_status_t &message)
@@ -229,7 +322,8 @@ void fill_memory(const StatusFacts &facts, vdna_msg_status_t &message)
 
 vdna_msg_status_t status_of(const StatusFacts &facts, int64_t utime)
 {
-    const bool selected = vdna_select_state(&facts.select) == VDNA_SELECT_SELECTED;
+    const bool selected = vdna_select_state(&facts.select) != VDNA_SELECT_WARMUP;
+    const uint32_t chosen = vdna_select_chosen(&facts.select);
     vdna_msg_status_t message{};
     message.utime = utime;
     message.state = facts.state.state;
@@ -240,10 +334,10 @@ vdna_msg_status_t status_of(const StatusFacts &facts, int64_t utime)
     message.reason = borrow(facts.state.reason);
     message.frame_age_us = facts.state.frame_age_us;
     message.progress = vdna_select_progress(&facts.select);
-    message.experience =
-        borrow(selected ? facts.experiences[vdna_select_chosen(&facts.select)].name : "");
-    message.predicted_recall = message.predicted_low = message.predicted_high = not_known;
-    message.skill = not_known;
+    message.experience = borrow(selected ? facts.experiences[chosen].name : "");
+    fill_expected(facts.ranking.prediction(facts.select, chosen), message);
+    message.skill = facts.ranking.skill();
+    message.settled_frames = facts.ranking.settled_frames(facts.select);
     message.experiences = static_cast<int32_t>(facts.experiences.size());
     message.left_out = static_cast<int32_t>(facts.left_out);
     message.map_hash = borrow(facts.map_hash.c_str());

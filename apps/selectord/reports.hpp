@@ -10,8 +10,10 @@
 #include <vdna_msg_status_t.h>
 
 #include <vdna/cpp/map.hpp>
+#include <vdna/cpp/trust.hpp>
 #include <vdna/transport.h>
 
+#include "program/choice_sentence.hpp"
 #include "selectord/resident_memory.hpp"
 #include "selectord/stages.hpp"
 
@@ -28,25 +30,45 @@ struct ProcessId {
 // Draws the instance, and asks the system for the rest.
 ProcessId identify_process();
 
-// The ranking message with room for all experiences of a map.
+// The choice: the ranking message with room for all experiences of a map, and what to expect.
 class RankingReport
 {
   public:
-    // Borrows from all.
-    RankingReport(const Map &map, const vdna_backbone_info &backbone, const std::string &map_hash);
+    // Borrows from all. warmup_frames: 0 = not known
+    RankingReport(const Map &map, const vdna_backbone_info &backbone, const std::string &map_hash,
+                  const Trust &trust, uint32_t warmup_frames);
 
     // Most bytes of the message on the wire.
     uint32_t encoded_size() const;
+    // Bytes that it holds besides itself.
+    size_t memory_size() const;
 
-    // Valid until the next call; `select` is in state SELECTED.
-    const vdna_msg_ranking_t &fill(const vdna_select &select);
+    // Valid until the next call; `select` has a choice.
+    // is_switch: that replaces another while driving; otherwise a warmup brought it
+    const vdna_msg_ranking_t &fill(const vdna_select &select, bool is_switch);
+
+    // The newest of them in a sentence; "" before the first.
+    const char *sentence() const { return sentence_.data(); }
+    // What it lets expect of a candidate; nullptr if it does not know: during a warmup, and after a
+    // switch, because the warmup said otherwise.
+    const vdna_trust_prediction *prediction(const vdna_select &select, uint32_t candidate) const;
+    // As in ranking_t.
+    double skill() const { return message_.skill; }
+    int32_t settled_frames(const vdna_select &select) const;
 
   private:
+    void fill_trust(const vdna_select &select);
+    void fill_entry(const vdna_select &select, size_t at, const vdna_rank_entry &entry);
+
+    const Trust &trust_;
+    const int warmup_frames_;
+    bool is_switch_ = false; // of the newest choice
+    program::Sentence sentence_{};
     const std::vector<vdna_experience> &experiences_;
     std::vector<char *> names_;
     std::vector<double> distances_;
     std::vector<int8_t> tied_;
-    std::vector<double> unknown_; // NaN for each experience
+    std::vector<double> recalls_, lows_, highs_, transfers_;
     vdna_msg_ranking_t message_{};
 };
 
@@ -62,6 +84,9 @@ vdna_msg_localisation_t nearest_in(const vdna_experience &map, const vdna_knn_ma
 vdna_msg_localisation_t position_in(const vdna_experience &map, const vdna_localise_answer &answer,
                                     double min_confidence, int64_t utime);
 
+// Add what to expect; nullptr is not known.
+void expect(const vdna_trust_prediction *prediction, vdna_msg_localisation_t &message);
+
 // What the daemon is worth now.
 struct State {
     int32_t state; // VDNA_MSG_STATUS_T_...
@@ -73,6 +98,7 @@ struct State {
 struct FrameCounts {
     uint64_t accepted = 0, late = 0;
     uint64_t restarts = 0; // warmups begun anew because of them
+    uint64_t switches = 0; // to another choice while driving
 };
 
 // The contents of a status message.
@@ -81,6 +107,7 @@ struct StatusFacts {
     int64_t serving_utime; // 0 = standing by
     State state;
     const vdna_select &select;
+    const RankingReport &ranking;
     const vdna_transport_counters &transport;
     const std::vector<vdna_experience> &experiences;
     size_t left_out; // experiences

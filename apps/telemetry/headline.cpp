@@ -89,6 +89,8 @@ Headline headline(const Json &status, const Json &ranking, double silent_s)
                             " % of the frames to choose by have come."};
     if (state == "VALID")
         return {"good", "Localising in " + choice + because(ranking, choice) + "."};
+    if (state == "UNSURE" && !text_of(status, "reason").empty())
+        return {"doubt", with_reason("Unsure of the place in " + choice, status)};
     if (state == "UNSURE")
         return {"doubt",
                 "Unsure of the place, localising in " + choice + because(ranking, choice) + "."};

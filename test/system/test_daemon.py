@@ -76,8 +76,11 @@ class Network(WithConfiguration):
                 return watch
         raise AssertionError(f"frames were skipped even at {RATES[-1]} Hz")
 
+    def by_the_paper(self):
+        return "-c", self.configure("[select]\nrank = 'emd'\nstop_early = false\nreselect = false\n")
+
     def test_says_what_rank_and_localise_say(self):
-        said = self.drive("--warmup-frames", WARMUP)
+        said = self.drive("--warmup-frames", WARMUP, *self.by_the_paper())
         answers = said.of("localisation")
         self.assertEqual([answer["validity"] for answer in answers[:WARMUP]],
                          ["WARMING_UP"] * WARMUP)
@@ -107,7 +110,7 @@ class Network(WithConfiguration):
                          [[match[field] for field in fields] for match in matches])
 
     def test_warms_up_for_a_time(self):
-        said = self.drive("--warmup-seconds", 1.15)
+        said = self.drive("--warmup-seconds", 1.15, *self.by_the_paper())
         # Stamps are 0.0, 0.1, ... 1.1; the frame of 1.2 completes the window and is localised.
         self.assertEqual(said.of("ranking")[0]["window_frames"], 12)
         self.assertEqual([answer["validity"] == "WARMING_UP"
@@ -634,6 +637,10 @@ class CommandLine(WithConfiguration):
         self.assert_refused("[memory]\nlock = 1\n", "2:8", "is 1", "true or false")
         self.assert_refused("[memory]\nbudget_mb = -1\n", "2:13", "is -1", "from 0")
         self.assert_refused("[select]\ntop = 0\n", "2:7", "is 0", "from 1")
+        self.assert_refused("[select]\nrank = 'fd'\n", "2:8", '"fd"', '"transfer" or "emd"')
+        self.assert_refused("[select]\nmin_recall = 1.1\n", "2:14", "is 1.1", "from 0.0 to 1.0")
+        self.assert_refused("[select]\nswitch_cost = 0\n", "2:15", "is 0", "from 1.0")
+        self.assert_refused("[select]\nreselect = 1\n", "2:12", "is 1", "true or false")
         self.assert_refused("[localise]\nmin_confidence = 1.5\n", "2:18", "is 1.5", "from 0.0 to 1.0")
         self.assert_refused("[localise]\nmin_confidence = nan\n", "2:18", "is nan", "a number")
         self.assert_refused("[localise]\ntolerance = -1\n", "2:13", "is -1", "from 0.0")
