@@ -289,6 +289,8 @@ void paint_fence(Box &box)
     for (float rail : {.35f, .8f})
         box.canvas().face(box.side({0, rail * height}, {length, (rail + .1f) * height}), wood);
     const float gap = box.landmark().shape % 2 ? .45f : 1.2f;
+    // NOLINTNEXTLINE(*-float-loop-counter,*-flp30-c,*FloatLoopCounter): a picture, a step more or
+    // less
     for (float post = length; post >= 0; post -= gap)
         box.canvas().face(box.side({post, 0}, {post + .13f, height}), wood * .92f);
     if (box.condition().snow > 0)
@@ -338,6 +340,8 @@ void paint_wall(Box &box)
     const Landmark &wall = box.landmark();
     const Colour stone = choose(stones, wall.hue);
     box.paint_walls(stone, snowed(box.condition(), stone * .9f));
+    // NOLINTNEXTLINE(*-float-loop-counter,*-flp30-c,*FloatLoopCounter): a picture, a step more or
+    // less
     for (float row = .25f; row < wall.height; row += .3f)
         box.canvas().line(box.seen(0, 0, row), box.seen(wall.length, 0, row), .025f,
                           stone * .72f * box.side_shade());
@@ -370,6 +374,8 @@ void paint_facade(Box &box, Chance &chance)
     const int columns = std::max(1, static_cast<int>(house.length / pitch));
     const auto door = static_cast<int>(chance.below(static_cast<uint32_t>(columns)));
     const float margin = (house.length - static_cast<float>(columns - 1) * pitch - wide) / 2;
+    // NOLINTNEXTLINE(*-float-loop-counter,*-flp30-c,*FloatLoopCounter): a picture, a step more or
+    // less
     for (float sill = .9f; sill + 1.5f < house.height; sill += 2.7f)
         for (int column = columns - 1; column >= 0; column--) {
             const float left = margin + pitch * static_cast<float>(column);
@@ -420,7 +426,11 @@ void paint_tower(Box &box)
                            box.seen(0, width / 2, top + 1.4 * width)},
                           snowed(box.condition(), rgb(0x5a6a62), .6f));
     }
+    // NOLINTNEXTLINE(*-float-loop-counter,*-flp30-c,*FloatLoopCounter): a picture, a step more or
+    // less
     for (float sill = 2; sill + 2 < tower.height; sill += 3)
+        // NOLINTNEXTLINE(*-float-loop-counter,*-flp30-c,*FloatLoopCounter): a picture, a step more
+        // or less
         for (float along = .6f; along + 1 < tower.length; along += 2)
             paint_opening(box, {along, sill}, {along + 1, sill + 1.4f}, coat * .9f,
                           chance.happens(.35f));
