@@ -1,6 +1,7 @@
 #!/bin/sh
 # The whole system at work: record a route three times, build a map, drive again in another season,
-# and watch the daemon choose. `./dev demo` runs this from the source root after the build.
+# watch the daemon choose, and drive at night on a map without one. `./dev demo` runs this from the
+# source root after the build.
 set -eu
 
 demo=build/demo
@@ -130,11 +131,22 @@ say "7. The same drive on the same map, by the place filter"
 vdna localise $demo/live $demo/map --in winter --skip $warmup --tolerance 2.5 \
     --matrix $demo/winter_filter.png
 
+say "8. And at night, with a map of three days?"
+for condition in summer autumn overcast; do
+    record day_$condition $condition --variation 0.6 --drive 20
+done
+record tonight night --drive 30
+vdna build $demo/days $demo/day_summer $demo/day_autumn $demo/day_overcast
+status=0
+vdna rank $demo/tonight $demo/days --warmup $warmup || status=$?
+[ $status -eq 3 ] || die "night on a map of days: expected exit code 3, none fits, found $status"
+echo "exit code 3: none fits"
+
 say "Done"
 cat <<END
 The ranking came from appearance alone. It is right if its first choice has the best Recall@1 in step 5,
 or where that is equal, the fewest unsure answers. The dots of step 6 are all over the matrix, those of
-step 7 are a line.
+step 7 are a line. Step 8 is answered as it should be: with none of them, rather than with the least bad.
 Pictures: $demo/{summer,winter,night,live}   map: $demo/map   difference matrices: $demo/matrices.png
 and $demo/winter_{paper,filter}.png
 

@@ -256,7 +256,7 @@ class Run
     const EvaluationSettings &settings_;
     record::Unit unit_;
     std::vector<size_t> references_;
-    Evaluation result_;
+    Evaluation result_{};
 };
 
 // A number for each pair of a live frame and a map frame.

@@ -102,12 +102,14 @@ struct LocaliserResult {
 // A drive through several traversals in turn, localised by place filters in the references that
 // are not among them. Percentages are Recall@1 of the frames after the warmup.
 struct ReselectionResult {
-    std::string drive;            // "summer+dusk+night"
-    std::vector<size_t> choices;  // traversals: that of the warmup, then one for each switch
-    std::vector<uint32_t> delays; // frames, of switches after a change of traversals: since then
-    double again;                 // in the choice, which is reconsidered on every frame
-    double never;                 // in the choice of the warmup all the way
-    double best;                  // in whatever is best in hindsight between two changes
+    std::string drive;             // "summer+dusk+night"
+    std::vector<size_t> choices;   // traversals: that of the warmup, then one for each switch
+    std::vector<uint32_t> since;   // frames after the warmup: where each choice begins
+    std::vector<uint32_t> changes; // likewise, of each traversal, and the end of the drive
+    std::vector<uint32_t> delays;  // frames, of switches after a change of traversals: since then
+    double again;                  // in the choice, which is reconsidered on every frame
+    double never;                  // in the choice of the warmup all the way
+    double best;                   // in whatever is best in hindsight between two changes
 };
 
 struct Reselection {

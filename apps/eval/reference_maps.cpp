@@ -80,6 +80,7 @@ std::vector<double> mean_of(const record::Recording &recording, uint32_t dim)
 {
     std::vector<double> mean(dim);
     for (size_t i = 0; i < recording.embeddings.size(); i++)
+        // NOLINTNEXTLINE(*DivideZero): embeddings have numbers
         mean[i % dim] += double{recording.embeddings[i]} / recording.frames;
     return mean;
 }
@@ -132,6 +133,7 @@ void give_one_mean(std::vector<record::Recording> &parts, uint32_t dim)
     for (size_t p = 0; p < parts.size(); p++)
         for (size_t i = 0; i < parts[p].embeddings.size(); i++) {
             float &number = parts[p].embeddings[i];
+            // NOLINTNEXTLINE(*DivideZero): embeddings have numbers
             number = static_cast<float>(number + common[i % dim] - means[p][i % dim]);
         }
 }

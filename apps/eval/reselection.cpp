@@ -278,7 +278,8 @@ ReselectionResult Run::judge(const ChangingDrive &drive,
     const size_t frames = candidates.front().frames.size();
     Choice choice(candidates, name_);
     uint32_t chosen = choice.of_warmup(), good = 0, judged = 0;
-    ReselectionResult result{name_, {candidates[chosen].traversal}, {}, 0, 0, 0};
+    ReselectionResult result{name_, {candidates[chosen].traversal}, {0}, drive.changes, {}, 0, 0,
+                             0};
     const uint32_t never = good_in(candidates[chosen], 0, frames);
     for (size_t frame = 0; frame < frames; frame++) {
         const Followed &followed = candidates[chosen].frames[frame];
@@ -289,6 +290,7 @@ ReselectionResult Run::judge(const ChangingDrive &drive,
             continue;
         chosen = next;
         result.choices.push_back(candidates[chosen].traversal);
+        result.since.push_back(static_cast<uint32_t>(frame) + 1);
         const auto change = std::upper_bound(drive.changes.begin(), drive.changes.end(), frame) - 1;
         if (*change > 0)
             result.delays.push_back(static_cast<uint32_t>(frame) - *change);

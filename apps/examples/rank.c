@@ -115,7 +115,7 @@ static void choose(const vdna_hist_view views[CANDIDATES])
     uint32_t x = now.seed;
     for (int i = 0; i < FRAMES; i++) {
         next_frame(&now, &x, values);
-        const vdna_select_frame frame = {i * PERIOD_US, &tap, 1, values};
+        const vdna_select_frame frame = {(int64_t)i * PERIOD_US, &tap, 1, values};
         require(vdna_select_feed(select, &frame, &answer));
     }
     const char *chosen = candidates[vdna_select_chosen(select)].name;

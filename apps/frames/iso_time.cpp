@@ -91,7 +91,7 @@ class Scanner
             return false;
         if (!at_end() && (take(':'), !number(2, 0, 59, minutes)))
             return false;
-        out_s = sign * (hours * 3600 + minutes * 60);
+        out_s = sign * (int64_t{hours} * 3600 + int64_t{minutes} * 60);
         return true;
     }
 
@@ -115,8 +115,8 @@ std::optional<int64_t> utime_of_iso(const std::string &text)
         !scan.take(':') || !scan.number(2, 0, 60, second) || !scan.fraction(fraction_us) ||
         !scan.zone(zone_s) || !scan.at_end())
         return {};
-    const int64_t seconds =
-        days_of(year, month, day) * day_s + hour * 3600 + minute * 60 + second - zone_s;
+    const int64_t seconds = days_of(year, month, day) * day_s + int64_t{hour} * 3600 +
+                            int64_t{minute} * 60 + second - zone_s;
     return seconds * second_us + fraction_us;
 }
 

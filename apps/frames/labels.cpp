@@ -385,8 +385,8 @@ std::vector<int64_t> Labels::frame_utimes() const
 {
     std::vector<int64_t> utimes;
     for (const auto &[frame, row] : frames_)
-        if (rows_[row].utime)
-            utimes.push_back(*rows_[row].utime);
+        if (const std::optional<int64_t> &utime = rows_[row].utime)
+            utimes.push_back(*utime);
     return utimes;
 }
 

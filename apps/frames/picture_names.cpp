@@ -58,7 +58,7 @@ std::string alike_spelling(const std::string &name)
     std::string text = name;
     std::replace(text.begin(), text.end(), '\\', '/');
     utf8proc_uint8_t *mapped = nullptr;
-    const auto options =
+    const auto options = // NOLINTNEXTLINE(*EnumCastOutOfRange): flags
         static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_COMPOSE | UTF8PROC_CASEFOLD);
     const utf8proc_ssize_t size =
         utf8proc_map(reinterpret_cast<const utf8proc_uint8_t *>(text.data()),

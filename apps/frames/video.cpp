@@ -62,7 +62,8 @@ class VideoReader : public Reader
         out_frame.utime = utime_;
         reason_ = take_ffmpeg_error();
         // If no frame follows, the video breaks off behind this one.
-        if (!reason_.empty() && (is_ahead_ = advance()))
+        is_ahead_ = !reason_.empty() && advance();
+        if (is_ahead_)
             throw BadFrame(out_frame.name + ": damaged: " + reason_);
         out_frame.image = image_of(picture_, out_frame.name);
         return true;

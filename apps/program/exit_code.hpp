@@ -10,6 +10,7 @@ enum ExitCode {
     exit_ok = 0,
     exit_failed = 1,        // error in the input or the system; nothing half-written is left
     exit_usage = 2,         // the command line or a configuration file is wrong
+    exit_none_fits = 3,     // the result is complete, and says that no experience fits the live run
     exit_interrupted = 130, // Ctrl-C or SIGTERM; nothing half-written is left
 };
 
@@ -25,6 +26,10 @@ class Interrupted : public Error
 {
   public:
     using Error::Error;
+};
+
+// The result has been written, and says that no experience fits the live run: no error.
+struct NoneFits {
 };
 
 inline ExitCode exit_code_of(const Error &error)

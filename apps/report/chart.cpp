@@ -235,6 +235,41 @@ std::string whisker_chart(const std::string &y_label, double y_end,
     return drawing(y_label + " of " + names, svg);
 }
 
+std::string lane_chart(const std::string &x_label, double x_end,
+                       const std::vector<std::string> &lanes, const std::vector<Stretch> &stretches,
+                       const std::vector<Mark> &marks)
+{
+    // The names of the marks have a lane of their own, above the others.
+    const Axis x = axis_of(x_label, 0, x_end);
+    const auto y_of_lane = [&](size_t lane) {
+        const double share =
+            (static_cast<double>(lane) + 1.6) / static_cast<double>(lanes.size() + 1);
+        return top + share * (height - top - bottom);
+    };
+    std::string svg = x_ticks(x), names;
+    for (const Mark &mark : marks) {
+        const std::string at = program::fixed(x_of(x, mark.x), 1);
+        svg += element("polyline stroke=\"currentColor\" stroke-dasharray=\"4\" points=\"" + at +
+                           "," + program::fixed(top, 1) + " " + at + "," +
+                           program::fixed(height - bottom, 1) + "\"",
+                       "");
+        svg += label_at(x_of(x, mark.x) + 4, top + 12, "", mark.name);
+    }
+    for (size_t lane = 0; lane < lanes.size(); lane++) {
+        svg += label_at(left + 4, y_of_lane(lane) - 8, "", lanes[lane]);
+        names += (lane > 0 ? ", " : "") + lanes[lane];
+    }
+    for (const Stretch &stretch : stretches) {
+        const std::string height_text = program::fixed(y_of_lane(stretch.lane), 1);
+        svg += element("polyline stroke-width=\"7\" stroke=\"" +
+                           series_colour(stretch.lane, lanes.size()) + "\" points=\"" +
+                           program::fixed(x_of(x, stretch.begin), 1) + "," + height_text + " " +
+                           program::fixed(x_of(x, stretch.end), 1) + "," + height_text + "\"",
+                       "");
+    }
+    return drawing(names + " against " + x_label, svg);
+}
+
 std::string diagonal_chart(const std::string &x_label, double x_end, const std::string &y_label,
                            double y_end, const std::vector<Point> &points)
 {

@@ -48,6 +48,22 @@ std::string curve_chart(const std::string &x_label, const std::string &y_label,
 std::string whisker_chart(const std::string &y_label, double y_end,
                           const std::vector<WhiskerGroup> &groups);
 
+// Something that holds from one x to another, in a lane.
+struct Stretch {
+    size_t lane;
+    double begin, end;
+};
+
+struct Mark {
+    double x;
+    std::string name;
+};
+
+// Lanes one below another, each with its name; x from 0 to x_end, with a line at each mark.
+std::string lane_chart(const std::string &x_label, double x_end,
+                       const std::vector<std::string> &lanes, const std::vector<Stretch> &stretches,
+                       const std::vector<Mark> &marks);
+
 // Points joined in their order, x from 0 to x_end and y from 0 to y_end, with the diagonal.
 std::string diagonal_chart(const std::string &x_label, double x_end, const std::string &y_label,
                            double y_end, const std::vector<Point> &points);

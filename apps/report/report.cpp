@@ -113,12 +113,13 @@ std::string report_of(const eval::Evaluation &evaluation,
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" +
         text_element("title", "Experience selection on " + evaluation.dataset) + "\n" +
         element("style", page_style);
-    const std::string body =
-        headline(evaluation) + averages_section(evaluation) + rankings_section(evaluation) +
-        localisers_section(evaluation) + trust_section(evaluation) + omission(evaluation) +
-        matrices_section(evaluation) + correlation_section(evaluation) +
-        matches_section(evaluation) + neurons_section(evaluation) + ablations_section(ablations) +
-        making_section(evaluation, command_line);
+    const std::string body = headline(evaluation) + averages_section(evaluation) +
+                             rankings_section(evaluation) + localisers_section(evaluation) +
+                             trust_section(evaluation) + reselection_section(evaluation) +
+                             omission(evaluation) + matrices_section(evaluation) +
+                             correlation_section(evaluation) + matches_section(evaluation) +
+                             neurons_section(evaluation) + ablations_section(ablations) +
+                             making_section(evaluation, command_line);
     return "<!DOCTYPE html>\n" +
            element("html lang=\"en\"",
                    "\n" + element("head", head) + "\n" + element("body", element("main", body))) +

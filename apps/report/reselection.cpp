@@ -1,7 +1,12 @@
 #include "report/reselection.hpp"
 
+#include <algorithm>
+
 #include "program/text_table.hpp"
+#include "report/chart.hpp"
+#include "report/html.hpp"
 #include "report/localisers.hpp"
+#include "report/sections.hpp"
 
 namespace vdna::report
 {
@@ -38,6 +43,48 @@ program::Json json_of(const eval::Mean &mean)
     return {{"percent", mean.value}, {"low", mean.low}, {"high", mean.high}};
 }
 
+std::vector<Stretch> stretches_of(const eval::ReselectionResult &drive, std::vector<size_t> &lanes)
+{
+    std::vector<Stretch> stretches;
+    for (size_t i = 0; i < drive.choices.size(); i++) {
+        const bool is_last = i + 1 == drive.choices.size();
+        auto lane = std::find(lanes.begin(), lanes.end(), drive.choices[i]);
+        if (lane == lanes.end())
+            lane = lanes.insert(lane, drive.choices[i]);
+        stretches.push_back(
+            {static_cast<size_t>(lane - lanes.begin()), static_cast<double>(drive.since[i]),
+             static_cast<double>(is_last ? drive.changes.back() : drive.since[i + 1])});
+    }
+    return stretches;
+}
+
+// The traversals of a drive, where they begin.
+std::vector<Mark> marks_of(const eval::ReselectionResult &drive)
+{
+    std::vector<Mark> marks;
+    std::string rest = drive.drive;
+    for (size_t part = 0; part + 1 < drive.changes.size(); part++) {
+        marks.push_back({static_cast<double>(drive.changes[part]), rest.substr(0, rest.find('+'))});
+        rest.erase(0, marks.back().name.size() + 1);
+    }
+    return marks;
+}
+
+// The choice over time.
+std::string figure_of(const eval::Evaluation &evaluation, const eval::ReselectionResult &drive)
+{
+    std::vector<size_t> lanes;
+    const std::vector<Stretch> stretches = stretches_of(drive, lanes);
+    return element(
+        "figure", lane_chart("frames after the warmup", drive.changes.back(),
+                             names_of(evaluation, lanes), stretches, marks_of(drive)) +
+                      text_element("figcaption", drive.drive + ": Recall@1 choosing again " +
+                                                     program::fixed(drive.again, 2) + " %, never " +
+                                                     program::fixed(drive.never, 2) +
+                                                     " %, in the best in hindsight " +
+                                                     program::fixed(drive.best, 2) + " %"));
+}
+
 } // namespace
 
 std::string reselection_table(const eval::Evaluation &evaluation)
@@ -66,12 +113,25 @@ program::Json reselection_json(const eval::Evaluation &evaluation)
                             {"best", json_of(reselection.best)},
                             {"gain", json_of(reselection.gain)}}}};
     for (const eval::ReselectionResult &drive : reselection.drives)
-        json["drives"][drive.drive] = {{"again_percent", drive.again},
-                                       {"never_percent", drive.never},
-                                       {"best_percent", drive.best},
-                                       {"choices", names_of(evaluation, drive.choices)},
-                                       {"delays", drive.delays}};
+        json["drives"][drive.drive] = {
+            {"again_percent", drive.again}, {"never_percent", drive.never},
+            {"best_percent", drive.best},   {"choices", names_of(evaluation, drive.choices)},
+            {"since", drive.since},         {"changes", drive.changes},
+            {"delays", drive.delays}};
     return json;
+}
+
+std::string reselection_section(const eval::Evaluation &evaluation)
+{
+    if (!evaluation.reselection)
+        return "";
+    std::string figures;
+    for (const eval::ReselectionResult &drive : evaluation.reselection->drives)
+        figures += figure_of(evaluation, drive);
+    return "<h2>Choosing again while driving</h2><p>The choice over time. Dashed lines: the drive "
+           "goes on in another traversal. Choosing again gains " +
+           escaped(mean_text(evaluation.reselection->gain)) + " points of Recall@1.</p>" +
+           element("div class=\"charts\"", figures);
 }
 
 } // namespace vdna::report

@@ -12,7 +12,8 @@ namespace vdna::report
 // A row for each drive, and one for their means. The evaluation must have a reselection.
 std::string reselection_table(const eval::Evaluation &evaluation);
 
-// {"drives": {name: {"again_percent", ..., "choices", "delays"}}, "mean": {"again", ..., "gain"}}
+// {"drives": {name: {"again_percent", ..., "choices", "since", "changes", "delays"}}, "mean":
+// {"again", ..., "gain"}}
 program::Json reselection_json(const eval::Evaluation &evaluation);
 
 } // namespace vdna::report

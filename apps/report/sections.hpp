@@ -32,6 +32,9 @@ std::string localisers_section(const eval::Evaluation &evaluation);
 // Trust in the choice; "" if it was not asked for.
 std::string trust_section(const eval::Evaluation &evaluation);
 
+// Choosing again while driving, with a chart per drive; "" if it was not asked for.
+std::string reselection_section(const eval::Evaluation &evaluation);
+
 // Pictures of right and wrong matches in the first choice. Reads picture files.
 std::string matches_section(const eval::Evaluation &evaluation);
 

@@ -117,7 +117,7 @@ void close_end(int &end)
 {
     const int nothing = ::open("/dev/null", O_RDWR);
     for (int standard = 0; standard <= 2; standard++)
-        dup2(nothing, standard);
+        dup2(nothing, standard); // NOLINT(*-unix.StdCLibraryFunctions): without it, they stay
     dup2(mailbox, mailbox_fd);
     dup2(go, go_fd);
     dup2(done, done_fd);

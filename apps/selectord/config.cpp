@@ -177,9 +177,10 @@ bool take(const toml::node &node, const Setting &, bool &out)
 bool take(const toml::node &node, const Setting &setting, double &out)
 {
     // `seconds = 10` means 10.0
-    if (!node.is_number() || !is_within(setting, *node.value<double>()))
+    const std::optional<double> number = node.value<double>();
+    if (!node.is_number() || !number || !is_within(setting, *number))
         return false;
-    out = *node.value<double>();
+    out = *number;
     return true;
 }
 

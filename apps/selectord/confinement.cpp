@@ -237,6 +237,7 @@ uint64_t address_space()
 {
     std::FILE *const file = std::fopen("/proc/self/statm", "re");
     unsigned long pages = 0;
+    // NOLINTNEXTLINE(*-string-to-number-conversion,cert-err34-c): the kernel writes what fits
     if (file && std::fscanf(file, "%lu", &pages) != 1)
         pages = 0;
     if (file)

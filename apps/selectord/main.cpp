@@ -29,6 +29,7 @@
 #include "selectord/processor.hpp"
 #include "selectord/resident_memory.hpp"
 #include "selectord/service_manager.hpp"
+#include "selectord/start_check.hpp"
 #include "selectord/stop.hpp"
 
 namespace
@@ -145,6 +146,7 @@ program::ExitCode run(int argc, char **argv)
                                       : Backbone(config.manifest, config.threads, config.runtime,
                                                  config.max_image_pixels);
     opened.map->require_backbone(backbone.info());
+    require_repeatable(backbone);
     start_up.backbone = resident.read();
     if (process) {
         start_up.process = process->resident();

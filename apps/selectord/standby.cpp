@@ -18,8 +18,8 @@ constexpr int64_t silence_us = 3000000; // of statuses, which come once a second
 // Whoever stands by is outranked by everybody who serves.
 bool Standby::outranks_us(const vdna_transport_peer &peer) const
 {
-    return stands_by() || std::pair(peer.serving_utime, peer.instance) <
-                              std::pair(serving_utime_, instance_);
+    return stands_by() ||
+           std::pair(peer.serving_utime, peer.instance) < std::pair(serving_utime_, instance_);
 }
 
 void Standby::stand_by_for(const vdna_transport_peer &peer)

@@ -1,5 +1,5 @@
-// Which of several daemons on the same channels answers frames: the one that has for longest, by the
-// clocks of their machines, and if two began in the same microsecond the one with the smaller
+// Which of several daemons on the same channels answers frames: the one that has for longest, by
+// the clocks of their machines, and if two began in the same microsecond the one with the smaller
 // instance. All judge alike by what each status says, so they agree once each has heard the others.
 #pragma once
 

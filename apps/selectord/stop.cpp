@@ -39,6 +39,7 @@ StopOnSignal::~StopOnSignal()
 {
     finished_.set_value();
     // Wake the thread if no signal has arrived; all other threads block it.
+    // NOLINTNEXTLINE(bugprone-bad-signal-to-kill-thread,cert-pos44-c): it waits for it by sigwait()
     pthread_kill(thread_.native_handle(), SIGTERM);
     thread_.join();
 }

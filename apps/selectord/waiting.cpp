@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 #include <functional>
+#include <string>
 #include <string_view>
 
 #include <vdna_messages.h>
@@ -351,9 +352,10 @@ Verdict Waiting::describe(Cause cause, const Facts &now) const
         write_oversized(out, config_, now);
         break;
     case Cause::refused:
-        out.add(
-            "all frames are refused, the last one because: %.300s ([lcm] max_image_pixels is %u)",
-            now.refusal, config_.max_image_pixels);
+        out.add("all frames are refused, the last one because: %.300s", now.refusal);
+        // A reason that names the limit does not know who set it.
+        if (std::strstr(now.refusal, std::to_string(config_.max_image_pixels).c_str()))
+            out.add(" ([lcm] max_image_pixels)");
         break;
     case Cause::restarts:
         out.add("the warmup began anew %" PRIu64 " time%s so far, the last time %.100s; see "

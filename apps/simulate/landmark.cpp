@@ -281,6 +281,9 @@ void paint_bench(Box &box)
     box.canvas().face(box.side({0, .38f}, {length, .45f}), wood * .8f);
 }
 
+// NOLINTBEGIN(bugprone-float-loop-counter,cert-flp30-c,*FloatLoopCounter): in a picture a step more
+// or less does not matter
+
 void paint_fence(Box &box)
 {
     static constexpr std::array<uint32_t, 4> paints = {0x7a5a3c, 0xe6e4dc, 0x55504a, 0x3f6a50};
@@ -425,6 +428,8 @@ void paint_tower(Box &box)
             paint_opening(box, {along, sill}, {along + 1, sill + 1.4f}, coat * .9f,
                           chance.happens(.35f));
 }
+
+// NOLINTEND(bugprone-float-loop-counter,cert-flp30-c,*FloatLoopCounter)
 
 // Landmarks without extent along the route.
 void paint_standing(const Landmark &landmark, Stand &stand)

@@ -84,7 +84,7 @@ class Route
     Shape shape_;
     double backdrop_cell_;  // length of a cell of the skyline
     double bend_length_[2]; // of a wave of the route's line
-    double phase_[4];       // of the bends and of the hills
+    double phase_[4] = {};  // of the bends and of the hills
 };
 
 } // namespace vdna::simulate

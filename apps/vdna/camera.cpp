@@ -135,8 +135,7 @@ void send_camera(CameraOptions options)
     Tally tally;
     try {
         (options.reconnect ? run_and_reconnect : run)(options, channel, tally);
-    } catch (const program::Interrupted &) {
-        // The usual end.
+    } catch (const program::Interrupted &) { // NOLINT(bugprone-empty-catch): the usual end
     } catch (...) {
         if (tally.sent > 0)
             report(options, tally);

@@ -25,22 +25,27 @@ int fail(const std::string &sentence, int code)
 }
 
 // Parse the command line; the sub-command's callback does the work.
-void run(CLI::App &app, int argc, char **argv)
+vdna::program::ExitCode run(CLI::App &app, int argc, char **argv)
 {
+    vdna::program::ExitCode code = vdna::program::exit_ok;
     try {
         app.parse(argc, argv);
         if (app.get_subcommands().empty())
             std::cout << app.help();
     } catch (const CLI::Success &request) {
         app.exit(request); // prints the answer to --help and --version
+    } catch (const vdna::program::NoneFits &) {
+        code = vdna::program::exit_none_fits;
     }
     // Detect a full disk or a closed pipe, so that half a report does not count as success.
     if (!std::cout.flush())
         throw vdna::Error("standard output: cannot write");
+    return code;
 }
 
 } // namespace
 
+// NOLINTNEXTLINE(bugprone-exception-escape): only of options that clash
 int main(int argc, char **argv)
 {
     vdna::program::catch_interrupts();
@@ -51,11 +56,11 @@ int main(int argc, char **argv)
     app.require_subcommand(0, 1);
     app.footer(
         "vdna COMMAND --help lists its options. Exit codes: 0 success, 1 error in the input or "
-        "the system, 2 wrong usage, 130 interrupted. Nothing half-written is left.");
+        "the system, 2 wrong usage, 3 no experience of the map fits (rank), 130 interrupted. "
+        "Nothing half-written is left.");
     add_commands(app);
     try {
-        run(app, argc, argv);
-        return vdna::program::exit_ok;
+        return run(app, argc, argv);
     } catch (const CLI::ParseError &e) {
         return fail(std::string(e.what()) + "; see vdna --help", vdna::program::exit_usage);
     } catch (const vdna::Error &e) {

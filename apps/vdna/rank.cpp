@@ -1,21 +1,24 @@
 // vdna rank - orders experiences by the distance of their Visual DNA to a query.
-#include <iomanip>
+#include <cmath>
 #include <memory>
 
 #include <vdna/cpp/error.hpp>
 #include <vdna/cpp/map.hpp>
 #include <vdna/cpp/selector.hpp>
 #include <vdna/cpp/taps.hpp>
+#include <vdna/cpp/trust.hpp>
 #include <vdna/rank.h>
 
+#include "program/choice_sentence.hpp"
+#include "program/decimal.hpp"
 #include "program/exit_code.hpp"
-#include "program/print.hpp"
 #include "record/candidates.hpp"
 #include "record/experiences.hpp"
 #include "record/pass.hpp"
 #include "record/warmup.hpp"
 #include "vdna/commands.hpp"
 #include "vdna/options.hpp"
+#include "vdna/ranking_report.hpp"
 
 namespace vdna::tool
 {
@@ -30,21 +33,10 @@ struct RankOptions {
     std::string warmup = std::to_string(VDNA_WARMUP_FRAMES_DEFAULT);
     uint32_t warmup_frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT;
     std::vector<std::string> exclude;
+    std::string by = "transfer";
+    double min_recall = 0;
     bool per_tap = false;
     bool json = false;
-};
-
-// A ranking with the facts to report.
-struct Ranking {
-    std::string query;
-    uint32_t frames = 0;            // of the query
-    uint64_t restarts = 0;          // of the warmup
-    frames::Account account;        // of a live query
-    uint64_t without_truth = 0;     // frames without the ground truth that others have
-    std::vector<std::string> names; // [candidates]
-    std::vector<vdna_rank_entry> entries;
-    std::vector<Tap> taps;                          // empty unless requested
-    std::vector<std::vector<double>> tap_distances; // [candidates][taps], bins
 };
 
 // The distance of each tap's neurons.
@@ -113,7 +105,8 @@ bool feed(Selector &selector, const Map &map, const record::Pass &pass, std::vec
                                      pass.output().tap_count,
                                      map.embedding_of(pass.output(), room)};
     vdna_select_answer answer;
-    require(vdna_select_feed(selector.get(), &frame, &answer), pass.frame().name);
+    require(vdna_select_feed_seen(selector.get(), &frame, pass.output().last_layer, &answer),
+            pass.frame().name);
     return answer.newly_ranked != 0;
 }
 
@@ -152,20 +145,87 @@ std::string reason_of(const vdna_select &select, const frames::Account &account)
                 reason_of(select, account));
 }
 
-// A selector among these experiences of a map, for frames of a source.
-std::unique_ptr<Selector> selector_of(const RankOptions &options, const Map &map,
-                                      const std::vector<size_t> &picked)
+std::vector<vdna_experience> candidates_of(const RankOptions &options, const Map &map)
 {
-    if (picked.empty())
+    std::vector<vdna_experience> candidates; // borrowed
+    for (const size_t i : record::all_but(map, options.exclude))
+        candidates.push_back(map.experiences()[i]);
+    if (candidates.empty())
         throw Error(options.paths[1] + ": --exclude leaves no experience to rank");
+    return candidates;
+}
+
+Trust trust_in(const RankOptions &options, const std::vector<vdna_experience> &candidates)
+{
+    vdna_trust_config config = trust_defaults();
+    config.min_recall = options.min_recall;
+    return {options.paths[1], candidates, config};
+}
+
+// A selector among these experiences, for frames of a source.
+std::unique_ptr<Selector> selector_of(const RankOptions &options,
+                                      const std::vector<vdna_experience> &experiences, Trust &trust)
+{
     std::vector<vdna_select_candidate> candidates;
-    for (const size_t i : picked)
-        candidates.push_back(map.candidates()[i]);
+    for (const vdna_experience &experience : experiences)
+        candidates.push_back(candidate_of(experience));
     // A source's times are in microseconds already.
     const Stamps stamps = {static_cast<int64_t>(options.source.late_s * 1e6), VDNA_TIME_UNIT_US};
-    return std::make_unique<Selector>(std::move(candidates), map.experiences().front().identity.dim,
+    Trusting trusting;
+    trusting.trust = trust.get();
+    trusting.runs = trust.runs().data();
+    trusting.rank = options.by == "emd" ? VDNA_SELECT_BY_EMD : VDNA_SELECT_BY_TRANSFER;
+    return std::make_unique<Selector>(std::move(candidates), experiences.front().identity.dim,
                                       record::warmup_of(options.warmup, options.warmup_frames_min),
-                                      options.paths[1], stamps);
+                                      options.paths[1], stamps, Localising{}, trusting);
+}
+
+// What the selector has found out about the candidates.
+void take_from(const vdna_select &select, Ranking &ranking)
+{
+    uint32_t count = 0;
+    const vdna_rank_entry *const entries = vdna_select_ranking(&select, &count);
+    ranking.frames = vdna_select_window_frames(&select);
+    ranking.restarts = vdna_select_restarts(&select);
+    if (ranking.restarts > 0)
+        ranking.account.notes.push_back(restart_note(select));
+    ranking.entries.assign(entries, entries + count);
+    ranking.ranked_by = vdna_select_ranked_by(&select);
+}
+
+std::string sentence_of(const vdna_select &select, const Trust &trust,
+                        const std::vector<vdna_experience> &candidates)
+{
+    const uint32_t chosen = vdna_select_chosen(&select);
+    const vdna_trust_prediction &prediction = vdna_select_predictions(&select, nullptr)[chosen];
+    const vdna_trust_answer &answer = *vdna_select_trust(&select);
+    program::Choice choice{};
+    choice.experience = candidates[chosen].name;
+    choice.previous = "";
+    choice.count = static_cast<int>(candidates.size());
+    choice.frames = static_cast<int>(vdna_select_window_frames(&select));
+    choice.verdict = text_of_verdict(answer.verdict);
+    choice.unlike = answer.unlike;
+    choice.predicted_recall = prediction.recall;
+    choice.predicted_low = prediction.low;
+    choice.predicted_high = prediction.high;
+    choice.no_prediction = trust.text_of(prediction.reason);
+    choice.skill =
+        trust.fit().labelled < VDNA_TRUST_SKILL_RUNS_MIN ? std::nan("") : trust.fit().skill;
+    return program::sentence_of(choice).data();
+}
+
+Expectation expectation_of(const vdna_select &select, const Trust &trust,
+                           const std::vector<vdna_experience> &candidates)
+{
+    uint32_t count = 0;
+    const vdna_trust_prediction *const predictions = vdna_select_predictions(&select, &count);
+    Expectation expectation;
+    expectation.answer = *vdna_select_trust(&select);
+    expectation.fit = trust.fit();
+    expectation.predictions.assign(predictions, predictions + count);
+    expectation.sentence = sentence_of(select, trust, candidates);
+    return expectation;
 }
 
 // Rank a map by the first frames of a source, as the daemon would.
@@ -173,10 +233,11 @@ Ranking rank_live(const RankOptions &options)
 {
     const std::string &source = options.paths[0];
     const Map map(options.paths[1]);
-    const vdna_experience &first = map.experiences().front();
-    const std::vector<size_t> picked = record::all_but(map, options.exclude);
-    const std::unique_ptr<Selector> selector = selector_of(options, map, picked);
-    Backbone backbone(options.network.backbone.empty() ? first.identity.backbone
+    const vdna_identity &identity = map.experiences().front().identity;
+    const std::vector<vdna_experience> candidates = candidates_of(options, map);
+    Trust trust = trust_in(options, candidates);
+    const std::unique_ptr<Selector> selector = selector_of(options, candidates, trust);
+    Backbone backbone(options.network.backbone.empty() ? identity.backbone
                                                        : options.network.backbone,
                       options.network.threads);
     map.require_backbone(backbone.info());
@@ -193,81 +254,18 @@ Ranking rank_live(const RankOptions &options)
         complain_of_incomplete_warmup(options, *selector->get(), pass.account());
 
     ranking.query = source;
-    ranking.frames = vdna_select_window_frames(selector->get());
-    ranking.restarts = vdna_select_restarts(selector->get());
     ranking.account = pass.account();
-    if (ranking.restarts > 0)
-        ranking.account.notes.push_back(restart_note(*selector->get()));
+    take_from(*selector->get(), ranking);
     tell(source, ranking.account);
-    const vdna_rank_entry *const entries = vdna_select_ranking(selector->get(), nullptr);
-    ranking.entries.assign(entries, entries + picked.size());
-    for (const size_t i : picked)
-        ranking.names.push_back(map.experiences()[i].name);
+    ranking.expectation = expectation_of(*selector->get(), trust, candidates);
+    for (const vdna_experience &candidate : candidates)
+        ranking.names.emplace_back(candidate.name);
     if (options.per_tap) {
         vdna_hist_view live;
         vdna_select_live(selector->get(), &live);
-        add_taps(ranking, first.identity.taps, live, views_of(*selector));
+        add_taps(ranking, identity.taps, live, views_of(*selector));
     }
     return ranking;
-}
-
-double margin_of(const Ranking &ranking)
-{
-    const std::vector<vdna_rank_entry> &e = ranking.entries;
-    return e.size() > 1 ? e[1].distance_bins - e[0].distance_bins : 0;
-}
-
-void report(const Ranking &ranking)
-{
-    size_t width = std::string("experience").size();
-    for (const std::string &name : ranking.names)
-        width = std::max(width, name.size());
-    const auto column = [&](const std::string &text) {
-        std::cout << "  " << std::setw(14) << text;
-    };
-
-    std::cout << ranking.query << ": " << ranking.frames << " frames";
-    if (ranking.without_truth > 0)
-        std::cout << ", " << ranking.without_truth << " without ground truth";
-    std::cout << "\nrank  " << std::left << std::setw(static_cast<int>(width)) << "experience"
-              << std::right;
-    column("distance/bins");
-    for (const Tap &tap : ranking.taps)
-        column(tap.name);
-    std::cout << '\n';
-    for (size_t i = 0; i < ranking.entries.size(); i++) {
-        const vdna_rank_entry &entry = ranking.entries[i];
-        std::cout << std::setw(4) << i + 1 << "  " << std::left
-                  << std::setw(static_cast<int>(width)) << ranking.names[entry.candidate]
-                  << std::right;
-        column(program::fixed(entry.distance_bins, 4));
-        for (size_t t = 0; t < ranking.taps.size(); t++)
-            column(program::fixed(ranking.tap_distances[entry.candidate][t], 4));
-        std::cout << (entry.tied ? "  tied\n" : "\n");
-    }
-    std::cout << "margin of the first choice: " << program::fixed(margin_of(ranking), 4)
-              << " bins\n";
-}
-
-void report_json(const Ranking &ranking)
-{
-    program::Json entries = program::Json::array();
-    for (const vdna_rank_entry &entry : ranking.entries) {
-        program::Json json = {{"experience", ranking.names[entry.candidate]},
-                              {"distance_bins", entry.distance_bins},
-                              {"tied", entry.tied != 0}};
-        for (size_t t = 0; t < ranking.taps.size(); t++)
-            json["taps"].push_back({{"tap", ranking.taps[t].name},
-                                    {"distance_bins", ranking.tap_distances[entry.candidate][t]}});
-        entries.push_back(json);
-    }
-    program::Json json = {{"query", ranking.query}, {"frames", ranking.frames}};
-    json.update(frames::json_of(ranking.account));
-    json.update({{"frames_without_truth", ranking.without_truth},
-                 {"restarts", ranking.restarts},
-                 {"margin_bins", margin_of(ranking)},
-                 {"ranking", entries}});
-    program::print_json(json);
 }
 
 void rank(const RankOptions &options)
@@ -280,6 +278,8 @@ void rank(const RankOptions &options)
             " paths, expected LIVE_SOURCE MAP or QUERY.vdna CANDIDATE.vdna...");
     const Ranking ranking = files ? rank_files(options) : rank_live(options);
     options.json ? report_json(ranking) : report(ranking);
+    if (ranking.expectation && ranking.expectation->answer.verdict != VDNA_TRUST_FITS)
+        throw program::NoneFits();
 }
 
 } // namespace
@@ -287,7 +287,9 @@ void rank(const RankOptions &options)
 void add_rank(CLI::App &app)
 {
     CLI::App *command = app.add_subcommand(
-        "rank", "Order experiences by the distance of their Visual DNA to a query");
+        "rank",
+        "Order experiences by how well a query will be localised in them, or by the distance "
+        "of their Visual DNA");
     const auto options = std::make_shared<RankOptions>();
     command
         ->add_option("PATH", options->paths,
@@ -304,6 +306,21 @@ void add_rank(CLI::App &app)
     add_warmup_min_option(*command, options->warmup_frames_min);
     command->add_option("--exclude", options->exclude, "live: leave these experiences out")
         ->type_name("NAME");
+    command
+        ->add_option("--rank", options->by,
+                     "live: transfer, the recall that the map's own runs of this look got, where "
+                     "labels tell it, and distance otherwise; or emd, distance, as in the paper")
+        ->check(CLI::IsMember({"transfer", "emd"}).description(""))
+        ->type_name("NAME")
+        ->capture_default_str();
+    command
+        ->add_option(
+            "--min-recall", options->min_recall,
+            "live: no experience fits if the best predicted recall is below R; 0: whatever "
+            "is predicted")
+        ->check(program::within(0, 1))
+        ->type_name("R")
+        ->capture_default_str();
     command->add_flag("--per-tap", options->per_tap,
                       "also report the distance of each activation tap");
     add_network_options(*command, options->network, "that of the map");
@@ -311,9 +328,12 @@ void add_rank(CLI::App &app)
     add_labels_option(*command, options->source);
     add_track_options(*command, options->source);
     command->add_flag("--json", options->json, "report as JSON");
-    command->footer("Examples:\n"
-                    "  vdna rank --warmup 42 today/ park\n"
-                    "  vdna rank park/winter.vdna park/summer.vdna park/autumn.vdna");
+    command->footer(
+        "Recalls are predicted, with the interval of 80 %, of a map that knows itself: see "
+        "vdna calibrate --trust. Exit code 3: none of the experiences fits.\n\n"
+        "Examples:\n"
+        "  vdna rank --warmup 42 today/ park\n"
+        "  vdna rank park/winter.vdna park/summer.vdna park/autumn.vdna");
     command->callback([options] { rank(*options); });
 }
 

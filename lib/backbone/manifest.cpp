@@ -178,7 +178,7 @@ std::array<double, 3> Reader::channels(const toml::table &table, std::string_vie
     std::array<double, 3> values{};
     for (size_t c = 0; c < values.size(); c++) {
         const toml::node *element = list && list->size() == values.size() ? list->get(c) : nullptr;
-        const double value = element && element->is_number() ? *element->value<double>() : NAN;
+        const double value = element && element->is_number() ? element->value_or(double{NAN}) : NAN;
         if (!std::isfinite(value))
             refuse(node.source(), "'" + std::string(key) + "' must be " + expected);
         values[c] = value;

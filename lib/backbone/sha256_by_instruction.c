@@ -28,7 +28,7 @@ static int has_instruction(void)
 }
 
 /* The next four words of the message, from the sixteen before them. */
-HAS_INSTRUCTION static __m128i extend(const __m128i w[4], int g)
+HAS_INSTRUCTION static __m128i extend(const __m128i w[4], size_t g)
 {
     const __m128i oldest = w[g % 4], newest = w[(g + 3) % 4];
     const __m128i part = _mm_add_epi32(_mm_sha256msg1_epu32(oldest, w[(g + 1) % 4]),
@@ -44,7 +44,7 @@ HAS_INSTRUCTION static void add_blocks(uint32_t state[8], const uint8_t *blocks,
     for (; count > 0; count--, blocks += VDNA_SHA256_BLOCK) {
         const __m128i abef_before = abef, cdgh_before = cdgh;
         __m128i w[4];
-        for (int g = 0; g < GROUPS; g++) {
+        for (size_t g = 0; g < GROUPS; g++) {
             w[g % 4] = g < 4
                            ? _mm_shuffle_epi8(
                                  _mm_loadu_si128((const __m128i *)(const void *)(blocks + 16 * g)),
@@ -83,7 +83,7 @@ HAS_INSTRUCTION static void add_blocks(uint32_t state[8], const uint8_t *blocks,
     for (; count > 0; count--, blocks += VDNA_SHA256_BLOCK) {
         const uint32x4_t abcd_before = abcd, efgh_before = efgh;
         uint32x4_t w[4];
-        for (int g = 0; g < GROUPS; g++) {
+        for (size_t g = 0; g < GROUPS; g++) {
             w[g % 4] = g < 4 ? vreinterpretq_u32_u8(vrev32q_u8(vld1q_u8(blocks + 16 * g)))
                              : vsha256su1q_u32(vsha256su0q_u32(w[g % 4], w[(g + 1) % 4]),
                                                w[(g + 2) % 4], w[(g + 3) % 4]);

@@ -2,10 +2,10 @@
 
 /* The CRC is linear: the entry of a byte is the exclusive-or of the entries of its bits, so eight
  * constants give a table of 256, at compile time. */
-#define ENTRY(byte, b0, b1, b2, b3, b4, b5, b6, b7)                               \
-    (((byte) & 1 ? b0 : 0u) ^ ((byte) & 2 ? b1 : 0u) ^ ((byte) & 4 ? b2 : 0u) ^   \
-     ((byte) & 8 ? b3 : 0u) ^ ((byte) & 16 ? b4 : 0u) ^ ((byte) & 32 ? b5 : 0u) ^ \
-     ((byte) & 64 ? b6 : 0u) ^ ((byte) & 128 ? b7 : 0u))
+#define ENTRY(byte, b0, b1, b2, b3, b4, b5, b6, b7)                                     \
+    (((byte) & 1 ? (b0) : 0u) ^ ((byte) & 2 ? (b1) : 0u) ^ ((byte) & 4 ? (b2) : 0u) ^   \
+     ((byte) & 8 ? (b3) : 0u) ^ ((byte) & 16 ? (b4) : 0u) ^ ((byte) & 32 ? (b5) : 0u) ^ \
+     ((byte) & 64 ? (b6) : 0u) ^ ((byte) & 128 ? (b7) : 0u))
 #define FOUR(byte, ...)                                                                       \
     ENTRY(byte, __VA_ARGS__), ENTRY((byte) + 1, __VA_ARGS__), ENTRY((byte) + 2, __VA_ARGS__), \
         ENTRY((byte) + 3, __VA_ARGS__)

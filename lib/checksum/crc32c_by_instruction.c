@@ -48,7 +48,7 @@ HAS_INSTRUCTION static uint32_t add_byte(uint32_t x, unsigned char byte)
 
 /* Bytes of a stream. Each instruction waits for the one before it, but a processor keeps three in
  * flight, so three streams are read side by side. */
-#define STREAM 4096
+#define STREAM ((size_t)4096)
 
 /* A register with only bit 0, 1 ... 31 set, after STREAM zero bytes: 8 * STREAM single steps
  * x -> x >> 1 ^ (x & 1 ? 0x82f63b78 : 0). */

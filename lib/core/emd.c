@@ -199,7 +199,7 @@ static double long_quotient(uint64_t sum, uint64_t mass)
 {
     uint64_t whole = sum / mass, rest = sum % mass;
     double unit = 1;
-    for (; whole < 2 * EXACT_DOUBLES; unit /= 2) {
+    for (; whole < 2 * EXACT_DOUBLES; unit /= 2) { /* NOLINT(cert-flp30-c): always exact */
         const uint64_t bit = 2 * rest >= mass;
         whole = 2 * whole + bit;
         rest = 2 * rest - bit * mass;

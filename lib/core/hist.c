@@ -185,6 +185,16 @@ vdna_status vdna_hist_merge(vdna_hist *hist, const vdna_hist *other)
     return VDNA_OK;
 }
 
+/* Whether `hist` has as many samples within the range: counts alone cannot tell, because those
+ * beyond it are counted in the edge bins as well. */
+static int holds_unsaturated(const vdna_hist *hist, const vdna_hist *other)
+{
+    for (size_t n = 0; n < hist->neurons; n++)
+        if (other->mass[n] - other->saturated[n] > hist->mass[n] - hist->saturated[n])
+            return 0;
+    return 1;
+}
+
 /* see vdna/hist.h */
 vdna_status vdna_hist_subtract(vdna_hist *hist, const vdna_hist *other)
 {
@@ -194,7 +204,7 @@ vdna_status vdna_hist_subtract(vdna_hist *hist, const vdna_hist *other)
     const size_t words = words_of(hist);
     if (other->frames > hist->frames)
         return VDNA_ERR_UNDERFLOW;
-    if (!holds_words(hist->counts, other->counts, words))
+    if (!holds_words(hist->counts, other->counts, words) || !holds_unsaturated(hist, other))
         return VDNA_ERR_UNDERFLOW;
 
     subtract_words(hist->counts, other->counts, words);

@@ -4,6 +4,9 @@
 
 #define CODE_MAX 127
 
+/* The largest float that 127 times itself does not make infinite: the one below FLT_MAX / 127. */
+#define SCALE_MAX 0x1.020406p+121f
+
 static int8_t code_of(float value, float scale)
 {
     const double steps = (double)value / (double)scale;
@@ -25,7 +28,8 @@ vdna_status vdna_int8_encode(const float *values, size_t count, int8_t *out_code
         largest = magnitude > largest ? magnitude : largest;
     }
 
-    const float scale = (float)((double)largest / CODE_MAX);
+    const float rounded = (float)((double)largest / CODE_MAX);
+    const float scale = rounded > SCALE_MAX ? SCALE_MAX : rounded;
     for (size_t i = 0; i < count; i++)
         out_codes[i] = scale > 0 ? code_of(values[i], scale) : 0;
     *out_scale = scale;

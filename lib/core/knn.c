@@ -63,7 +63,7 @@ vdna_status vdna_knn(const float *query, uint32_t dim, const float *map, uint32_
 {
     if (!query || dim == 0 || !map || rows == 0 || k == 0 || !out_matches)
         return VDNA_ERR_ARG;
-    float sq[BLOCK];
+    float sq[BLOCK] = {0};
     uint32_t count = 0;
     for (uint32_t row = 0; row < rows; row++, map += dim) {
         if (row % BLOCK == 0)

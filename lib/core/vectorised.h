@@ -11,7 +11,7 @@
 #ifndef VDNA_VECTORISED
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__) && __GNUC__ >= 12 && \
     defined(__OPTIMIZE__) && !defined(__AVX__) && !defined(__SANITIZE_ADDRESS__) &&       \
-    !defined(__FRAMAC__)
+    !defined(__SANITIZE_THREAD__) && !defined(__FRAMAC__)
 #define VDNA_VECTORISED \
     __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 /* The same for loops that need 32-bit products or byte shuffles, which x86-64-v2 brings. */

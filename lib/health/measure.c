@@ -17,7 +17,7 @@
 
 /* Words of 64 bits that are hashed side by side: a product takes as long as four may begin in. */
 #define LANES 4u
-#define STRIPE (8u * LANES)
+#define STRIPE ((size_t)8 * LANES)
 
 /* Odd, and half of its bits set: the golden ratio of 64 bits. */
 #define MULTIPLIER UINT64_C(0x9E3779B97F4A7C15)
@@ -136,6 +136,7 @@ static uint32_t sum_of(const uint8_t *levels)
 static uint32_t structure_of(const uint8_t *levels, uint32_t sum)
 {
     int64_t covariance = 0;
+    /* NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result): small constants */
     for (uint32_t i = 0; i < BLOCKS; i++) {
         const int64_t here = (int64_t)levels[i] * BLOCKS - sum;
         if (i % COLUMNS > 0)
@@ -146,6 +147,7 @@ static uint32_t structure_of(const uint8_t *levels, uint32_t sum)
     if (covariance < 0)
         return 0;
     return root_of((uint32_t)(covariance / ((int64_t)PAIRS * BLOCKS * BLOCKS)));
+    /* NOLINTEND(bugprone-implicit-widening-of-multiplication-result) */
 }
 
 static int are_pixels(const vdna_pixels *pixels)

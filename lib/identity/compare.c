@@ -84,6 +84,7 @@ static vdna_status compare_ranges(const vdna_identity *a, const vdna_identity *b
     /* Bitwise, as histograms compare ranges. */
     for (uint32_t n = 0; n < a->neurons; n++) {
         const float *ra = a->range + 2 * (size_t)n, *rb = b->range + 2 * (size_t)n;
+        /* NOLINTNEXTLINE(*-memory-comparison,cert-exp42-c,cert-flp37-c): see above */
         if (memcmp(ra, rb, 2 * sizeof(float)) == 0)
             continue;
         char field[32], of_a[48], of_b[48];
@@ -100,6 +101,7 @@ static vdna_status compare_directions(const vdna_identity *a, const vdna_identit
                                       vdna_error *error)
 {
     for (size_t n = 0; n < (size_t)a->dim * a->raw_dim; n++) {
+        /* NOLINTNEXTLINE(*-memory-comparison,cert-exp42-c,cert-flp37-c): bitwise, as ranges */
         if (memcmp(a->projection + n, b->projection + n, sizeof(float)) == 0)
             continue;
         char field[72], of_a[24], of_b[24];

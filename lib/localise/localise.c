@@ -248,6 +248,13 @@ static int take_into_mean(vdna_localise *localise, const float *embedding)
 
 /* ---- Distances ---- */
 
+/* The lengths of rounded directions differ from 1, so their product may leave -1..1. */
+static double within_0_and_2(double distance)
+{
+    const double least = distance > 0 ? distance : 0;
+    return least < 2 ? least : 2;
+}
+
 /* Distances of all rows. Sums of integers do not depend on their order: they vectorise, and give
  * the same bits on every machine. */
 VDNA_VECTORISED static void row_distances(const int16_t *restrict direction,
@@ -259,7 +266,7 @@ VDNA_VECTORISED static void row_distances(const int16_t *restrict direction,
         int32_t product = 0;
         for (size_t i = 0; i < stride; i++)
             product += (int32_t)direction[i] * row[i];
-        out[r] = (float)(1 - product * unit);
+        out[r] = (float)within_0_and_2(1 - product * unit);
     }
 }
 

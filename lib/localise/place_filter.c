@@ -208,7 +208,7 @@ static void advance_sources(const vdna_place_filter *filter, size_t begin)
     for (size_t g = 0; g < filter->gear_count; g++)
         memcpy(filter->sources + g * SOURCES, filter->sources + g * SOURCES + BLOCK_FRAMES,
                2 * REACH * sizeof *filter->sources);
-    sources_of(filter, begin + REACH, BLOCK_FRAMES, filter->sources + 2 * REACH);
+    sources_of(filter, begin + REACH, BLOCK_FRAMES, filter->sources + 2 * (size_t)REACH);
 }
 
 /* Move the posterior, unless this is the first step, and weigh it, block by block. In place:
@@ -220,7 +220,7 @@ static void update(const vdna_place_filter *filter, double factor)
         kept_at_end(filter, 0, kept[0]);
         kept_at_end(filter, 1, kept[1]);
         /* As if a block of nothing had gone before the first. */
-        memset(filter->sources, 0, filter->gear_count * SOURCES * sizeof *filter->sources);
+        memset(filter->sources, 0, (size_t)filter->gear_count * SOURCES * sizeof *filter->sources);
         sources_of(filter, 0, REACH, filter->sources + BLOCK_FRAMES + REACH);
     }
     for (size_t begin = 0; begin < filter->frames; begin += BLOCK_FRAMES) {

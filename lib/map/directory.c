@@ -111,7 +111,7 @@ static vdna_status follow_journal(const request *wanted, vdna_error *error, list
     const uint32_t sorted = list->count;
     for (uint32_t i = 0; i < list->journal.count; i++) {
         const char *name = list->journal.names[i];
-        listed key;
+        listed key = {.damage = NULL};
         snprintf(key.names.name, sizeof key.names.name, "%s" VDNA_MAP_EXTENSION, name);
         listed *file = sorted > 0 ? bsearch(&key, list->files, sorted, sizeof key, by_name) : NULL;
         if (!file)
@@ -228,10 +228,12 @@ static vdna_status open_file(const request *wanted, listed *file, vdna_error *er
     const char *const name = file->names.file;
     if ((size_t)snprintf(path, sizeof path, "%s/%s", wanted->path, name) >= sizeof path)
         return vdna_fail(error, VDNA_ERR_IO, "%s: the path of %s is too long", wanted->path, name);
+    /* NOLINTBEGIN(clang-analyzer-unix.StdCLibraryFunctions): dirfd() of a stream cannot fail */
     int descriptor = openat(dirfd(wanted->stream), name, VDNA_OPEN_FLAGS);
     /* A staged file may have got its name just now. */
     if (descriptor < 0 && errno == ENOENT)
         descriptor = openat(dirfd(wanted->stream), file->names.name, VDNA_OPEN_FLAGS);
+    /* NOLINTEND(clang-analyzer-unix.StdCLibraryFunctions) */
     struct stat about;
     if (descriptor >= 0 && fstat(descriptor, &about) == 0) {
         file->device = about.st_dev;

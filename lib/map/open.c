@@ -31,6 +31,7 @@ static vdna_status size_of(int descriptor, const char *path, vdna_error *error, 
 static vdna_status map_file(int descriptor, const char *path, vdna_error *error,
                             vdna_file_bytes *file)
 {
+    /* NOLINTNEXTLINE(clang-analyzer-unix.StdCLibraryFunctions): the size is not 0 */
     file->bytes = mmap(NULL, file->size, PROT_READ, MAP_PRIVATE, descriptor, 0);
     if (file->bytes == MAP_FAILED)
         return refused(path, "map into memory", error);

@@ -41,10 +41,9 @@ static int is_known(const vdna_route_position *position)
 
 static place_cell cell_of(const place_route *route, const vdna_route_position *position)
 {
-    place_cell found;
-    for (int i = 0; i < 3; i++)
-        found.at[i] = floor(position->at[i] / route->tolerance);
-    return found;
+    return (place_cell){{floor(position->at[0] / route->tolerance),
+                         floor(position->at[1] / route->tolerance),
+                         floor(position->at[2] / route->tolerance)}};
 }
 
 static int is_in(const place_route *route, const place_post *post, const place_cell *where)
@@ -107,8 +106,8 @@ static uint32_t passed_before(const place_route *route, const vdna_route_positio
     double distance = route->tolerance;
     uint32_t nearest = NO_POST;
     for (int n = 0; n < 27; n++) {
-        const place_cell where = {
-            {middle.at[0] + n % 3 - 1, middle.at[1] + n / 3 % 3 - 1, middle.at[2] + n / 9 - 1}};
+        const int dx = n % 3 - 1, dy = n / 3 % 3 - 1, dz = n / 9 - 1;
+        const place_cell where = {{middle.at[0] + dx, middle.at[1] + dy, middle.at[2] + dz}};
         look_into(route, &where, position, &distance, &nearest);
     }
     return nearest;

@@ -103,8 +103,10 @@ void PillowBicubic::fill(Taps<int32_t> &taps, uint32_t from, uint32_t to)
     const double widening = std::max(scale, 1.0), reach = support * widening;
     for (uint32_t i = 0; i < to; i++) {
         const double centre = (i + 0.5) * scale;
+        // NOLINTBEGIN(bugprone-incorrect-roundings): as Pillow does
         const auto first = static_cast<uint32_t>(std::max(centre - reach + 0.5, 0.0));
         const uint32_t last = std::min(static_cast<uint32_t>(centre + reach + 0.5), from);
+        // NOLINTEND(bugprone-incorrect-roundings)
         weights_.clear();
         double total = 0.0;
         for (uint32_t pixel = first; pixel < last; pixel++) {

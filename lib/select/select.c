@@ -319,8 +319,10 @@ static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, 
     }
     if (answer->newly_ranked && is_first)
         vdna_select_follow_leads(select);
-    const int is_led = is_first && (events & VDNA_WINDOW_ADDED);
-    return is_led ? VDNA_OK : vdna_select_localise(select, frame->embedding, answer);
+    /* A frame that is too far from all to have a distance is not localised; the choice stands. */
+    if (!is_first || !(events & VDNA_WINDOW_ADDED))
+        vdna_select_localise(select, frame->embedding, answer);
+    return VDNA_OK;
 }
 
 /* All checks of a frame, before any of it is used. */

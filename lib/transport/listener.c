@@ -5,14 +5,16 @@
 
 #include <vdna/listener.h>
 
+#include "inbox.h"
 #include "network.h"
+#include "url.h"
 
-#define CHANNELS_MAX 256u
+#define CHANNELS_MAX VDNA_REASSEMBLY_CHANNELS
 #define QUEUE_MAX 65536u
 #define OLDEST_CONFIG sizeof(vdna_listener_config) /* in version 0.1 */
 
-/* One channel and its waiting message. One is enough: LCM takes one message off the network at a
- * time and hands it to each subscription at most once. */
+/* One channel and its waiting message. One is enough: messages are taken off the network one at a
+ * time, and each is handed to a subscription at most once. */
 typedef struct subscription {
     const vdna_network *network;
     channel_name name;
@@ -23,6 +25,7 @@ typedef struct subscription {
 
 struct vdna_listener {
     vdna_network network;
+    vdna_inbox *inbox;        /* NULL = messages come through LCM */
     subscription *handed_out; /* whose message the caller has; NULL = none */
     uint32_t count;
     subscription subscriptions[];
@@ -67,24 +70,46 @@ static vdna_status read_config(const vdna_listener_config *given, vdna_error *er
     return VDNA_OK;
 }
 
+static void keep_message(subscription *s, const void *data, size_t size, int64_t received_us)
+{
+    vdna_listener_message message = {
+        .type = s->type,
+        .channel = s->name,
+        .rejected = "a message of another type or version",
+        .size = size,
+        .received_us = received_us,
+    };
+    if (vdna_transport_check(s->type, data, size) == VDNA_OK &&
+        s->type->decode(data, (int32_t)size, s->decoded) >= 0) {
+        message.data = s->decoded;
+        message.rejected = NULL;
+    }
+    s->message = message;
+}
+
 /* LCM calls this for each message on a channel; the bytes are LCM's and gone once it returns. */
 static void on_message(const lcm_recv_buf_t *received, const char *channel, void *context)
 {
     (void)channel;
     subscription *s = context;
-    vdna_listener_message message = {
-        .type = s->type,
-        .channel = s->name,
-        .rejected = "a message of another type or version",
-        .size = received->data_size,
-        .received_us = vdna_network_received_us(s->network, received),
-    };
-    if (vdna_transport_check(s->type, received->data, received->data_size) == VDNA_OK &&
-        s->type->decode(received->data, (int32_t)received->data_size, s->decoded) >= 0) {
-        message.data = s->decoded;
-        message.rejected = NULL;
+    keep_message(s, received->data, received->data_size,
+                 vdna_network_received_us(s->network, received));
+}
+
+/* Hand a message that came by our own means to those who want it. */
+static void keep_waiting(vdna_listener *listener, const vdna_inbox_message *waiting)
+{
+    const char *channel = listener->subscriptions[waiting->wanted].name;
+    for (uint32_t i = 0; i < listener->count; i++) {
+        subscription *s = &listener->subscriptions[i];
+        if (strcmp(s->name, channel) != 0)
+            continue;
+        keep_message(s, waiting->data, waiting->size, waiting->received_us);
+        if (waiting->size == waiting->total_size)
+            continue;
+        s->message.rejected = "a message larger than a listener keeps";
+        s->message.size = (size_t)waiting->total_size;
     }
-    s->message = message;
 }
 
 static void drop_message(subscription *s)
@@ -105,7 +130,27 @@ static vdna_status subscribe(vdna_listener *listener, const vdna_listener_channe
     if (!s->decoded)
         return vdna_fail(error, VDNA_ERR_NOMEM, "listener: no memory left");
     listener->count++;
+    if (listener->inbox)
+        return VDNA_OK;
     return vdna_network_subscribe(s->network, s->name, queue_length, on_message, s, error);
+}
+
+/* Receive by our own means from udpm://, through LCM from anything else. */
+static vdna_status open_inbox(vdna_listener *listener, const vdna_listener_config *config,
+                              vdna_error *error)
+{
+    vdna_wanted_channel wanted[CHANNELS_MAX];
+    const char *url = vdna_network_url(config->url);
+    if (!url_has_scheme(url, "udpm://") || config->channel_count == 0)
+        return VDNA_OK;
+    /* The names stay as long as the inbox: subscribe() writes the same ones there. */
+    for (uint32_t i = 0; i < config->channel_count; i++) {
+        char *name = listener->subscriptions[i].name;
+        memcpy(name, config->channels[i].name, strlen(config->channels[i].name) + 1);
+        wanted[i] = (vdna_wanted_channel){name, VDNA_LISTENER_MESSAGE_BYTES_MAX};
+    }
+    return vdna_inbox_open(url, wanted, config->channel_count, config->queue_length, error,
+                           &listener->inbox);
 }
 
 /* see vdna/listener.h */
@@ -125,6 +170,8 @@ vdna_status vdna_listener_open(const vdna_listener_config *given, vdna_error *er
         return vdna_fail(error, VDNA_ERR_NOMEM, "listener: no memory left");
 
     status = vdna_network_open(&listener->network, config.url, error);
+    if (status == VDNA_OK)
+        status = open_inbox(listener, &config, error);
     for (uint32_t i = 0; status == VDNA_OK && i < config.channel_count; i++)
         status = subscribe(listener, &config.channels[i], config.queue_length, error);
     if (status != VDNA_OK) {
@@ -144,6 +191,23 @@ static subscription *waiting(vdna_listener *listener)
     return NULL;
 }
 
+/* As vdna_network_take_one(), by our own means. */
+static int take_waiting(vdna_listener *listener, int32_t timeout_ms)
+{
+    vdna_inbox_message *message = NULL;
+    const int taken = vdna_inbox_take(listener->inbox, timeout_ms, &message);
+    if (taken == 1)
+        keep_waiting(listener, message);
+    free(message);
+    return taken;
+}
+
+static int take(vdna_listener *listener, int32_t timeout_ms)
+{
+    return listener->inbox ? take_waiting(listener, timeout_ms)
+                           : vdna_network_take_one(&listener->network, timeout_ms);
+}
+
 /* see vdna/listener.h */
 vdna_status vdna_listener_poll(vdna_listener *listener, int32_t timeout_ms,
                                vdna_listener_message *out_message)
@@ -155,7 +219,7 @@ vdna_status vdna_listener_poll(vdna_listener *listener, int32_t timeout_ms,
         drop_message(listener->handed_out);
     listener->handed_out = waiting(listener);
     if (!listener->handed_out) {
-        if (vdna_network_take_one(&listener->network, timeout_ms) < 0)
+        if (take(listener, timeout_ms) < 0)
             return vdna_network_end(&listener->network);
         listener->handed_out = waiting(listener);
     }
@@ -169,6 +233,7 @@ void vdna_listener_close(vdna_listener *listener)
 {
     if (!listener)
         return;
+    vdna_inbox_close(listener->inbox);
     vdna_network_close(&listener->network);
     for (uint32_t i = 0; i < listener->count; i++) {
         drop_message(&listener->subscriptions[i]);

@@ -35,7 +35,7 @@ static int32_t count_at(const char *place)
 static const char *pointer_at(const char *place)
 {
     const char *pointer;
-    memcpy(&pointer, place, sizeof pointer);
+    memcpy((void *)&pointer, place, sizeof pointer);
     return pointer;
 }
 

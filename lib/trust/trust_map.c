@@ -79,7 +79,7 @@ vdna_status vdna_trust_nearest_int8(const int8_t *codes, float scale, const int8
     if (!codes || !frames || !scales || dim == 0 || dim > VDNA_TRUST_CODES_MAX || count == 0 ||
         !out_relative)
         return VDNA_ERR_ARG;
-    int32_t product, square;
+    int32_t product = 0, square = 0;
     code_sums(codes, codes, dim, &product, &square);
     const double length_sq = (double)scale * scale * square;
     double least = INFINITY, norms = 0;
@@ -392,7 +392,7 @@ vdna_status vdna_trust_pair(const vdna_trust_run *live, const vdna_trust_run *ca
         return VDNA_ERR_MISMATCH;
 
     vdna_status status = compare_frames(live, candidate, tolerance, localiser, &m, out_relative);
-    uint32_t first[VDNA_TRUST_WINDOWS], length = 0;
+    uint32_t first[VDNA_TRUST_WINDOWS] = {0}, length = 0;
     const uint32_t windows = vdna_trust_windows(live->frames, first, &length);
     for (uint32_t i = 0; i < VDNA_TRUST_WINDOWS && status == VDNA_OK; i++) {
         out_cell->nearest[i] = out_cell->likeness[i] = out_cell->recall[i] = NAN;

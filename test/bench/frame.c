@@ -1,4 +1,4 @@
-/* A network for Python: vdna/backbone.h without its structs. */
+/* A network, decoding and frame health for Python: their headers without their structs. */
 #include "frame.h"
 
 /* see frame.h */
@@ -26,4 +26,31 @@ vdna_status bench_backbone_run(vdna_backbone *backbone, const uint8_t *data, siz
     out_us[1] = frame.resize_us;
     out_us[2] = frame.inference_us;
     return VDNA_OK;
+}
+
+/* see frame.h */
+vdna_status bench_decoder_open(vdna_decoder **out_decoder)
+{
+    return vdna_decoder_open(VDNA_IMAGE_PIXELS_MAX, NULL, out_decoder);
+}
+
+/* see frame.h */
+vdna_status bench_decode(vdna_decoder *decoder, const uint8_t *data, size_t size)
+{
+    const vdna_image image = {data, size, 0, 0, 0, VDNA_PIXEL_ENCODED};
+    vdna_pixels pixels;
+    return vdna_decoder_decode(decoder, &image, NULL, &pixels);
+}
+
+/* see frame.h */
+vdna_status bench_health(const uint8_t *rgb, uint32_t width, uint32_t height)
+{
+    const vdna_pixels pixels = {rgb, (size_t)3 * width, width, height, 3, {0, 1, 2}};
+    vdna_health health;
+    vdna_health_picture picture;
+    vdna_health_init(&health, NULL); /* cannot fail: the defaults are valid */
+    const vdna_status status = vdna_health_measure(&pixels, &picture);
+    if (status == VDNA_OK)
+        vdna_health_take(&health, &picture);
+    return status;
 }

@@ -1,8 +1,11 @@
-/* A network for Python to call through ctypes (ours.py). */
+/* A network, and what pictures go through before it, for Python to call through ctypes (ours.py).
+ */
 #ifndef VDNA_BENCH_FRAME_H
 #define VDNA_BENCH_FRAME_H
 
 #include <vdna/backbone.h>
+#include <vdna/health.h>
+#include <vdna/picture.h>
 
 /** Open the network of a manifest; as vdna_backbone_open(). */
 VDNA_API vdna_status bench_backbone_open(const char *manifest, uint32_t threads, vdna_error *error,
@@ -13,5 +16,14 @@ VDNA_API vdna_status bench_backbone_open(const char *manifest, uint32_t threads,
 VDNA_API vdna_status bench_backbone_run(vdna_backbone *backbone, const uint8_t *data, size_t size,
                                         uint32_t width, uint32_t height, uint32_t pixelformat,
                                         vdna_error *error, uint32_t out_us[3]);
+
+/** Open a decoder of pictures, with VDNA_IMAGE_PIXELS_MAX. */
+VDNA_API vdna_status bench_decoder_open(vdna_decoder **out_decoder);
+
+/** Decode a JPEG. */
+VDNA_API vdna_status bench_decode(vdna_decoder *decoder, const uint8_t *data, size_t size);
+
+/** Measure and judge a picture of packed RGB by itself. */
+VDNA_API vdna_status bench_health(const uint8_t *rgb, uint32_t width, uint32_t height);
 
 #endif

@@ -1,11 +1,12 @@
-"""One picture through lib/backbone, in this process: the time on top of the inference."""
+"""One picture through lib/backbone, in this process: the time on top of the inference, and what of it
+frame health takes."""
 import re
 import statistics
 import time
 
 import numpy as np
 
-from measure import LEAST_ROUNDS, calmest, seconds_of, waited
+from measure import LEAST_ROUNDS, calmest, compare, seconds_of, waited
 
 RGB3 = int.from_bytes(b"RGB3", "little")
 NETWORK = "efficientnet_lite0"
@@ -20,6 +21,8 @@ def run(context):
     manifest = context.scene.manifest(NETWORK)
     yield whole(context, manifest, "JPEG 640x480", (jpeg,))
     yield whole(context, manifest, "raw 640x480", (noise(640, 480).tobytes(), 640, 480, RGB3))
+    for width, height in (224, 224), (640, 480):
+        yield health(context, width, height)
     for width, height in [(640, 480)] if context.quick else [(640, 480), (1280, 720)]:
         for rule in ("area", "linear", "pillow_bicubic"):
             yield resize(context, resizing_by(context, manifest, rule), rule, width, height)
@@ -48,6 +51,16 @@ def whole(context, manifest, name, picture):
     stages = {f"{stage}_ms": statistics.median(frame[i] for frame in used)
               for i, stage in ((1, "decode"), (2, "resize"), (3, "inference"))}
     return f"frame {name}", "ms", 1e3, summary([frame[:1] for frame in used], used, []), stages
+
+
+def health(context, width, height):
+    """Measuring and judging a decoded picture, beside decoding one of its size."""
+    library, rgb = context.library, noise(width, height).tobytes()
+    decode = library.decoder()
+    jpeg = context.scene.pictures(3, f"{width}x{height}")[0].read_bytes()
+    timed = compare(lambda: library.health(rgb, width, height),
+                    {"decoding a JPEG": lambda: decode(jpeg)}, context.seconds)
+    return f"health {width}x{height}", "us", 1e6, timed, {}
 
 
 def resizing_by(context, manifest, rule):

@@ -67,6 +67,16 @@ class Library:
         """A network, ready to run."""
         return Backbone(self._bench, manifest, threads)
 
+    def decoder(self):
+        """A function that decodes the bytes of a JPEG."""
+        bench, decoder = self._bench, c_void_p()
+        self._require(bench.bench_decoder_open(byref(decoder)))
+        return lambda jpeg: self._require(bench.bench_decode(decoder, jpeg, c_size_t(len(jpeg))))
+
+    def health(self, rgb, width, height):
+        """Measure and judge a picture, bytes of packed RGB."""
+        self._require(self._bench.bench_health(rgb, c_uint32(width), c_uint32(height)))
+
     @staticmethod
     def _require(status):
         if status != 0:

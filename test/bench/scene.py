@@ -33,13 +33,13 @@ class Scene:
         subprocess.run([self._build / "bin" / "vdna", *map(str, arguments)], check=True,
                        stdout=subprocess.DEVNULL)
 
-    def pictures(self, count):
-        """Paths of JPEG pictures of 640x480, each small enough for one datagram."""
-        folder = self.folder / f"pictures-{count}"
+    def pictures(self, count, size="640x480"):
+        """Paths of JPEG pictures, each small enough for one datagram."""
+        folder = self.folder / f"pictures-{count}-{size}"
         if not folder.exists():
             part = folder.with_suffix(".part")
             shutil.rmtree(part, ignore_errors=True)
-            self._vdna("simulate", part, "--size", "640x480", "--quality", 85,
+            self._vdna("simulate", part, "--size", size, "--quality", 85,
                        "--frames", count)
             part.rename(folder)
         return sorted(folder.glob("*.jpg"))

@@ -20,6 +20,7 @@ from ends_with_us import ENDS_WITH_US
 BIN = os.environ["VDNA_BIN"]
 # LCM's default network is that of the namespace.
 os.environ.pop("LCM_DEFAULT_URL", None)
+SANITIZED = bool(os.environ.get("VDNA_SANITIZE"))  # so neither memory nor times are the daemon's own
 PATIENCE = 60  # seconds; an idle machine needs far less
 
 

@@ -13,7 +13,7 @@ import time
 import unittest
 
 import own_network
-from selectord import (Camera, Frames, Selectord, Watch, WithConfiguration, grey_message,
+from selectord import (SANITIZED, Camera, Frames, Selectord, Watch, WithConfiguration, grey_message,
                        network_process, selectord, vdna)
 
 WORK = os.path.abspath("backbone_process")
@@ -95,6 +95,7 @@ class BackboneProcess(WithConfiguration):
         for number in range(25, 30):
             self.assertNotEqual(answers[number], "REFUSED")
 
+    @unittest.skipIf(SANITIZED, "a sanitizer ends what asks for so much")
     def test_a_network_that_asks_for_all_memory_is_refused_it(self):
         if not os.path.isdir(NETS):
             self.skipTest(f"no {NETS}")
@@ -126,6 +127,7 @@ class BackboneProcess(WithConfiguration):
         self.assertGreater(status["processed"], 5)
         self.assert_beats(watch.of("status"), 5)
 
+    @unittest.skipIf(SANITIZED, "a sanitizer makes an exit of a crash")
     def test_a_crash_is_told_with_its_frame(self):
         with Watch() as watch, Camera() as camera, self.stub_daemon():
             camera.send(grey_message(1, b"crash\0"))
@@ -167,6 +169,7 @@ class BackboneProcess(WithConfiguration):
             camera.send(grey_message(1, DARK))
             self.assertEqual(watch.wait_for("localisation")["validity"], "WARMING_UP")
 
+    @unittest.skipIf(SANITIZED, "a sanitizer makes an exit of a crash")
     def test_a_network_that_cannot_be_opened_is_one_clear_error(self):
         for what, words in (({"VDNA_UNRULY_OPEN": "crash"}, "ended by signal 11"),
                             ({}, "No such file")):

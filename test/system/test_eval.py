@@ -593,8 +593,11 @@ class Results(OwnSet):
         alone = result["drives"]["dawn+dusk"]  # there is one candidate
         self.assertEqual(alone["choices"], ["noon"])
         self.assertEqual(alone["again_percent"], alone["never_percent"])
-        self.assertEqual(alone["delays"], [])
-        done = vdna("eval", self.dataset, "--cache", self.cache, *options)
+        self.assertEqual((alone["since"], alone["delays"]), ([0], []))
+        self.assertEqual(len(alone["changes"]), 3)
+        page = self.folder / "report.html"
+        done = vdna("eval", self.dataset, "--cache", self.cache, *options, "--html", page)
+        self.assertIn("<h2>Choosing again while driving</h2>", page.read_text("utf-8"))
         self.assertRegex(done.stdout, r"\ndawn\+dusk  +\d+\.\d\d  +\d+\.\d\d  +\d+\.\d\d  +noon")
         self.assertRegex(self.refused(self.dataset, "--reselect", "dawn+night"),
                          "no traversal 'night'")

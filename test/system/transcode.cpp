@@ -3,6 +3,7 @@
 //   grey      makes them grey, of 8 bits
 //   grey16    the same with 16 bits
 //   alpha     adds transparency that grows from left to right
+//   blurred   leaves no detail smaller than an eighth of the height
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -49,6 +50,11 @@ cv::Mat changed(const cv::Mat &bgr, const std::string &change)
 {
     if (change.rfind("stored-", 0) == 0)
         return stored(bgr, std::stoi(change.substr(7)));
+    if (change == "blurred") {
+        cv::Mat soft;
+        cv::GaussianBlur(bgr, soft, cv::Size(), bgr.rows / 16.0);
+        return soft;
+    }
     if (change == "alpha")
         return with_alpha(bgr);
     if (change == "grey" || change == "grey16")

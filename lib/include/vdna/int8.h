@@ -1,11 +1,12 @@
 /** @file vdna/int8.h
  *  @brief A row of numbers as 8-bit codes with one scale: a quarter of the memory.
  *
- *  Definition: the scale is the largest magnitude of the row divided by 127, rounded to float. The
- *  code of a number is the number divided by the scale, in double precision, rounded to the nearest
- *  whole number (halves away from zero) and kept within -127..127; in a row of zeros, or of numbers
- *  too small to have a scale, all are 0. A code stands for itself times the scale, rounded to
- * float: within half a scale of the number, and the bits are the same on every machine.
+ *  Definition: the scale is the largest magnitude of the row divided by 127, rounded to float, and
+ *  down where 127 times the scale would otherwise be infinite. The code of a number is the number
+ *  divided by the scale, in double precision, rounded to the nearest whole number (halves away from
+ *  zero) and kept within -127..127; in a row of zeros, or of numbers too small to have a scale, all
+ *  are 0. A code stands for itself times the scale, rounded to float: within half a scale of the
+ *  number, and the bits are the same on every machine.
  */
 #ifndef VDNA_INT8_H
 #define VDNA_INT8_H

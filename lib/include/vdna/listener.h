@@ -3,7 +3,8 @@
  *         decoded. For programs that show, record or judge messages.
  *
  *  vdna/transport.h is the daemon's side, which keeps only the newest camera frame. A listener
- * skips nothing as long as its queue is long enough.
+ *  skips nothing as long as its queue is long enough. From udpm:// networks it receives by our own
+ *  means, as the daemon does: with a ttl of 0 from this machine only.
  */
 #ifndef VDNA_LISTENER_H
 #define VDNA_LISTENER_H
@@ -21,6 +22,9 @@ extern "C" {
 /** A connection to an LCM network that only listens. One thread at a time. */
 typedef struct vdna_listener vdna_listener;
 
+/** Bytes of the largest message that is kept over udpm:// ; larger ones are rejected. */
+#define VDNA_LISTENER_MESSAGE_BYTES_MAX (1u << 25)
+
 /** A channel to listen to. */
 typedef struct vdna_listener_channel {
     const char *name;              /**< 1..63 bytes, taken literally */
@@ -30,8 +34,9 @@ typedef struct vdna_listener_channel {
 /** How to listen. Fill with vdna_listener_config_init(), then set the channels. */
 typedef struct vdna_listener_config {
     uint32_t struct_size;  /**< bytes of this struct, set by vdna_listener_config_init() */
-    uint32_t queue_length; /**< messages that LCM keeps for each channel, 1..65536; a full queue
-                                drops the newest; default VDNA_LISTENER_QUEUE */
+    uint32_t queue_length; /**< messages that wait for each channel, 1..65536; a full queue
+                                drops the newest; default VDNA_LISTENER_QUEUE. Over udpm:// a
+                                thread of ours keeps them, up to 64 MiB of all channels */
     const char *url; /**< LCM URL; NULL or "" = $LCM_DEFAULT_URL, else LCM's default (default) */
     const vdna_listener_channel *channels; /**< [channel_count], copied; default NULL. A name may
                                                 appear with several types */
@@ -48,7 +53,7 @@ typedef struct vdna_listener_message {
     const char *rejected; /**< why there is no data, without a trailing period; NULL if there is
                                data */
     size_t size;          /**< bytes on the wire */
-    int64_t received_us;  /**< CLOCK_MONOTONIC when LCM took it off the socket; for logs, when it
+    int64_t received_us;  /**< CLOCK_MONOTONIC when its last datagram came; for logs, when it
                                was read */
 } vdna_listener_message;
 

@@ -17,10 +17,10 @@
  * min(n + 1, `mean_frames_max`), L = L + (x - L) / n. If not `centred`, L stays 0. The robot moves
  * if the frame counts; otherwise it stands, and the filter is not stepped.
  *  - **Distance.** d_j = 1 - u_j . unit(x - L), where the numbers of both directions are rounded to
- *    multiples of 1/32767, and their product is exact: d_j is within sqrt(dim) / 32500 of the exact
- *    value, and as a rule within 4e-5, whatever `dim`. 0 = same direction, 1 = no likeness, 2 =
- *    opposite. A frame that equals its mean has distance 1 to all. The nearest frame is the one of
- *    least distance; the lowest of equals.
+ *    multiples of 1/32767, their product is exact, and what would leave 0..2 is kept within: d_j is
+ *    within sqrt(dim) / 32500 of the exact value, and as a rule within 4e-5, whatever `dim`. 0 =
+ *    same direction, 1 = no likeness, 2 = opposite. A frame that equals its mean has distance 1 to
+ *    all. The nearest frame is the one of least distance; the lowest of equals.
  *  - **Evidence.** z_j = (mean(d) - d_j) / (sd(d) + 1e-9), sd that of all N;
  *    e_j = exp(`sharpness` (z_j - max z)); w_j = (1 - `clutter`) e_j / mean(e) + `clutter`.
  *  - **Motion.** The posterior p[g][j] begins as 1 / (G N), and is first moved by the second step:
@@ -69,7 +69,7 @@ extern "C" {
 #define VDNA_LOCALISE_DIM_MAX 1048576 /**< numbers in an embedding to localise by */
 #define VDNA_GEARS_MAX 8              /**< gears of a filter */
 #define VDNA_GEAR_SHARES 6            /**< frames over which one gear spreads */
-#define VDNA_GEAR_FIRST_MIN -8        /**< least `first` of a gear */
+#define VDNA_GEAR_FIRST_MIN (-8)      /**< least `first` of a gear */
 #define VDNA_GEAR_FIRST_MAX 3         /**< greatest `first` of a gear */
 
 /** Frames by which a filter should find its place before its answers are used: feed so many of the

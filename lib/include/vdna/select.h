@@ -198,8 +198,8 @@ VDNA_API vdna_status vdna_select_init(const vdna_select_config *config, void *me
 
 /** Take one live frame.
  *  In WARMUP it is offered to the window, a first window of vdna/window.h. A frame that completes
- *  the window without being in it is localised. In SELECTED and NONE_FITS every frame is localised,
- *  unless it is late.
+ *  the window without being in it is localised, if it can be. In SELECTED and NONE_FITS every frame
+ *  is localised, unless it is late.
  *  @param select      from vdna_select_init()
  *  @param frame       needed for this call only
  *  @param last_layer  [last_layer_dim of the runs], the network's last layer of this frame; needed

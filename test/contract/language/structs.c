@@ -5,6 +5,7 @@
 
 #include <vdna/backbone.h>
 #include <vdna/map.h>
+#include <vdna/map_trust.h>
 #include <vdna/vdna.h>
 
 #define STRUCT(type) printf(#type ". 0 %zu\n", sizeof(type))
@@ -227,6 +228,13 @@ static void print_map(void)
     FIELD(vdna_tap, name_length);
     FIELD(vdna_tap, neurons);
     FIELD(vdna_tap, samples);
+
+    STRUCT(vdna_map_trust);
+    FIELD(vdna_map_trust, tables);
+    FIELD(vdna_map_trust, tolerance);
+    FIELD(vdna_map_trust, runs);
+    FIELD(vdna_map_trust, localiser);
+    FIELD(vdna_map_trust, memory);
 
     STRUCT(vdna_experience);
     FIELD(vdna_experience, name);

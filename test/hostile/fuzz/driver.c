@@ -14,6 +14,7 @@
 #include "fuzz.h"
 
 #define INPUTS 20000u
+#define INPUTS_OF_ALL 200000u /* with VDNA_ALL, as ./dev test --all sets it */
 
 /* Most seeds that a target may have. */
 #define SEEDS 64u
@@ -159,7 +160,8 @@ static int run_all(const char *program)
     const pid_t child = fork();
     if (child == 0) {
         const seeds *all = load_seeds();
-        for (*at = 0; *at < INPUTS; ++*at)
+        const unsigned inputs = getenv("VDNA_ALL") ? INPUTS_OF_ALL : INPUTS;
+        for (*at = 0; *at < inputs; ++*at)
             run(*at, all);
         exit(EXIT_SUCCESS);
     }

@@ -8,12 +8,6 @@
 #include "fuzz.h"
 #include "journal.h"
 
-static void require(int condition)
-{
-    if (!condition)
-        abort();
-}
-
 static void parse(const char *text, size_t size)
 {
     static char printed[VDNA_JOURNAL_SIZE];
@@ -21,13 +15,13 @@ static void parse(const char *text, size_t size)
     vdna_error error = {""};
     const vdna_status status = vdna_journal_parse(text, size, "fuzz", &error, &journal);
     if (status != VDNA_OK) {
-        require(status == VDNA_ERR_FORMAT && error.text[0] != '\0' && !journal.names);
+        MUST(status == VDNA_ERR_FORMAT && error.text[0] != '\0' && !journal.names);
         return;
     }
-    require(journal.count >= 1 && journal.count <= VDNA_JOURNAL_NAMES_MAX);
+    MUST(journal.count >= 1 && journal.count <= VDNA_JOURNAL_NAMES_MAX);
     for (uint32_t i = 0; i < journal.count; i++)
-        require(!strchr(journal.names[i], '/') && journal.names[i][0] != '.');
-    require(vdna_journal_print(&journal, printed) == size && memcmp(printed, text, size) == 0);
+        MUST(!strchr(journal.names[i], '/') && journal.names[i][0] != '.');
+    MUST(vdna_journal_print(&journal, printed) == size && memcmp(printed, text, size) == 0);
     vdna_journal_free(&journal);
 }
 
@@ -62,11 +56,11 @@ size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
     for (unsigned i = 0; i < counts[index]; i++) {
         char name[VDNA_NAME_SIZE];
         snprintf(name, sizeof name, "%03u-a.b_c", i);
-        require(vdna_journal_add(&journal, name));
+        MUST(vdna_journal_add(&journal, name));
     }
     const size_t size = vdna_journal_print(&journal, text);
     vdna_journal_free(&journal);
-    require(size <= capacity);
+    MUST(size <= capacity);
     memcpy(out, text, size);
     return size;
 }

@@ -10,42 +10,45 @@
 #include "read.h"
 #include "right_checksum.h"
 
-static void require(int condition)
-{
-    if (!condition)
-        abort();
-}
-
 /* The identity of an accepted experience is valid, and its taps are written as they are read. */
 static void use_identity(const vdna_experience *e)
 {
-    char sha256[VDNA_SHA256_SIZE], taps[VDNA_TAPS_SIZE] = "";
-    require(vdna_identity_check(&e->identity, NULL) == VDNA_OK);
-    require(vdna_identity_hash(&e->identity, sha256) == VDNA_OK);
-    require(strcmp(sha256, e->comparable) == 0);
+    static char text[VDNA_IDENTITY_TEXT_SIZE];
+    char sha256[VDNA_SHA256_SIZE], taps[VDNA_TAPS_SIZE] = "", name[VDNA_NAME_SIZE] = "";
+    memcpy(name, e->position_frame, strnlen(e->position_frame, sizeof name - 1));
+    MUST(vdna_identity_check(&e->identity, NULL) == VDNA_OK);
+    MUST(vdna_identity_hash(&e->identity, sha256) == VDNA_OK);
+    MUST(strcmp(sha256, e->comparable) == 0);
+    MUST(vdna_identity_text(&e->identity, text) == VDNA_OK && text[0] != '\0');
+    MUST(vdna_identity_compare(&e->identity, &e->identity, NULL) == VDNA_OK);
+    MUST(vdna_identity_precision(&e->identity)[0] != '\0');
+    const char *centred = strstr(e->identity.embedding, "centred");
+    MUST(!vdna_identity_is_centred(&e->identity) || centred);
+    vdna_name_replace(name);
+    MUST(vdna_name_check(name, NULL) == VDNA_OK || name[0] == '\0');
     const char *rest = e->identity.taps;
     for (vdna_tap tap; vdna_taps_next(&rest, &tap) == VDNA_OK;)
-        require(vdna_taps_append(taps, sizeof taps, &tap) == VDNA_OK);
-    require(strcmp(taps, e->identity.taps) == 0);
+        MUST(vdna_taps_append(taps, sizeof taps, &tap) == VDNA_OK);
+    MUST(strcmp(taps, e->identity.taps) == 0);
 }
 
 /* A position is whole, or absent as a whole, and in a frame with a name. */
 static void use_positions(const vdna_experience *e)
 {
-    require(memchr(e->position_frame, '\0', sizeof e->position_frame) != NULL);
-    require((e->position_frame[0] != '\0') == (e->frame_position != NULL));
+    MUST(memchr(e->position_frame, '\0', sizeof e->position_frame) != NULL);
+    MUST((e->position_frame[0] != '\0') == (e->frame_position != NULL));
     for (size_t i = 0; e->frame_position && i < 3 * (size_t)e->frames; i++)
-        require(isfinite(e->frame_position[i]) || isnan(e->frame_position[i - i % 3]));
-    require(memchr(e->order, '\0', sizeof e->order) != NULL);
+        MUST(isfinite(e->frame_position[i]) || isnan(e->frame_position[i - i % 3]));
+    MUST(memchr(e->order, '\0', sizeof e->order) != NULL);
 }
 
 /* Codes are whole rows with their scales, and embeddings are floats however they are stored. */
 static void use_codes(const vdna_experience *e)
 {
-    require(!e->last_layer == !e->last_layer_scale && !e->last_layer == (e->last_layer_dim == 0));
-    require(!e->embedding_codes == !e->embedding_scale);
+    MUST(!e->last_layer == !e->last_layer_scale && !e->last_layer == (e->last_layer_dim == 0));
+    MUST(!e->embedding_codes == !e->embedding_scale);
     for (size_t i = 0; i < (size_t)e->frames * e->identity.dim; i++)
-        require(isfinite(e->embeddings[i]));
+        MUST(isfinite(e->embeddings[i]));
 }
 
 /* A live frame can be projected; the sanitisers watch the reads. */
@@ -55,8 +58,8 @@ static void use_projection(const vdna_experience *e)
     float *live = calloc(raw_dim, sizeof *live);
     float *kept = malloc(e->identity.dim * sizeof *kept);
     if (live && kept) {
-        require(vdna_identity_project(&e->identity, live, kept) == VDNA_OK);
-        require(kept[e->identity.dim - 1] == 0);
+        MUST(vdna_identity_project(&e->identity, live, kept) == VDNA_OK);
+        MUST(kept[e->identity.dim - 1] == 0);
     }
     free(live);
     free(kept);
@@ -72,8 +75,8 @@ static void use(const vdna_experience *e)
     double distance = 0;
     const vdna_status status = vdna_emd_mean(&view, &view, scratch, scratch_size, &distance);
     free(scratch);
-    require(distance == 0 && (status == VDNA_OK || status == VDNA_ERR_OVERFLOW));
-    require(vdna_experience_compare(e, e, NULL) == VDNA_OK);
+    MUST(distance == 0 && (status == VDNA_OK || status == VDNA_ERR_OVERFLOW));
+    MUST(vdna_experience_compare(e, e, NULL) == VDNA_OK);
     use_identity(e);
     use_positions(e);
     use_codes(e);
@@ -96,7 +99,7 @@ static void read_and_use(const unsigned char *bytes, size_t size)
     vdna_error reason = {""};
     const vdna_status status = vdna_read(bytes, size, &reason, &e);
     if (status != VDNA_OK) {
-        require(reason.text[0] != '\0');
+        MUST(reason.text[0] != '\0');
         return;
     }
     use(&e);
@@ -140,7 +143,7 @@ size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
     }
     const directory made = make_directory();
     const char *path = path_in(&made, "seed");
-    require(vdna_experience_write(&e, path, NULL) == VDNA_OK);
+    MUST(vdna_experience_write(&e, path, NULL) == VDNA_OK);
     const size_t size = load_file(path, out, capacity);
     remove_directory(&made);
     return size;

@@ -99,6 +99,23 @@ static long start_a_thread(void)
     return pthread_join(thread, NULL);
 }
 
+static void *count_up(void *number)
+{
+    ++*(int *)number;
+    return NULL;
+}
+
+/* The control of the tests under ThreadSanitizer. */
+static long race_a_thread(void)
+{
+    int number = 0;
+    pthread_t thread;
+    if (pthread_create(&thread, NULL, count_up, &number) != 0)
+        return -1;
+    count_up(&number);
+    return pthread_join(thread, NULL);
+}
+
 /* More than the machine has; touched, so that overcommitment does not help. */
 static long take_all_memory(void)
 {
@@ -120,7 +137,7 @@ static const struct deed {
     {"truncate", empty_a_file},      {"unlink", remove_a_file},     {"exec", start_a_program},
     {"fork", fork_itself},           {"kill", signal_its_parent},   {"ptrace", watch_its_parent},
     {"outlive", outlive_its_parent}, {"io_uring", set_up_io_uring}, {"memory", take_all_memory},
-    {"read", read_a_file},           {"thread", start_a_thread},
+    {"read", read_a_file},           {"thread", start_a_thread},    {"race", race_a_thread},
 };
 
 /* A deed that fails is a failure that tells errno; one that succeeds is none. */

@@ -243,6 +243,16 @@ static void bytes_that_are_no_toml_are_told_at_their_line(void **)
                 std::string::npos);
 }
 
+// What the parser takes for unreachable: see vdna_includes_toml() of lib/cmake/BuildFlags.cmake.
+static void beyond_ascii_nothing_is_a_blank(void **)
+{
+    for (unsigned c = 0x80; c < 0x800; c++) {
+        const char utf8[] = {static_cast<char>(0xC0 | c >> 6), static_cast<char>(0x80 | (c & 0x3F)),
+                             '\0'};
+        assert_refused(with(whole, "licence =", std::string("licence ") + utf8 + "="), "5", "");
+    }
+}
+
 static void a_missing_file_or_a_folder_cannot_be_read(void **)
 {
     const Folder folder;
@@ -291,6 +301,7 @@ int main()
         cmocka_unit_test(a_value_of_the_wrong_type_is_told_at_its_line),
         cmocka_unit_test(taps_must_be_there_and_differ),
         cmocka_unit_test(bytes_that_are_no_toml_are_told_at_their_line),
+        cmocka_unit_test(beyond_ascii_nothing_is_a_blank),
         cmocka_unit_test(a_missing_file_or_a_folder_cannot_be_read),
         cmocka_unit_test(a_bare_name_is_looked_up_and_a_path_is_not),
     };

@@ -328,6 +328,19 @@ static void subtracting_what_was_never_added_changes_nothing(void **state)
     assert_int_equal(vdna_hist_subtract(&a, &b), VDNA_ERR_UNDERFLOW);
 }
 
+static void a_sample_within_the_range_is_not_one_beyond_it(void **state)
+{
+    (void)state;
+    uint32_t mem_a[WORDS], mem_b[WORDS], before[WORDS];
+    vdna_hist beyond = small_hist(mem_a), within = small_hist(mem_b);
+    add_pair(&beyond, -5, 7); /* both in the first bin */
+    add_pair(&within, -0.9f, 7);
+    memcpy(before, mem_a, sizeof before);
+    assert_int_equal(vdna_hist_subtract(&beyond, &within), VDNA_ERR_UNDERFLOW);
+    assert_memory_equal(mem_a, before, sizeof before);
+    assert_int_equal(vdna_hist_subtract(&within, &beyond), VDNA_ERR_UNDERFLOW);
+}
+
 static void merging_past_the_largest_mass_is_refused(void **state)
 {
     (void)state;
@@ -460,6 +473,7 @@ int main(void)
         cmocka_unit_test(merging_two_parts_equals_counting_all),
         cmocka_unit_test(subtracting_undoes_merging),
         cmocka_unit_test(subtracting_what_was_never_added_changes_nothing),
+        cmocka_unit_test(a_sample_within_the_range_is_not_one_beyond_it),
         cmocka_unit_test(merging_past_the_largest_mass_is_refused),
         cmocka_unit_test(histograms_of_other_ranges_or_shapes_do_not_merge),
         cmocka_unit_test(histograms_compare_if_shape_and_range_agree_and_no_neuron_is_empty),

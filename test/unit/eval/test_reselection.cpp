@@ -86,6 +86,10 @@ void after_each_change_of_light_the_experience_of_that_light_is_chosen(void **)
     assert_true((result.choices == std::vector<size_t>{2, 3, 2}));
     assert_int_equal(result.delays.size(), 2);
     assert_true(result.delays[0] < 30 && result.delays[1] < 30);
+    assert_int_equal(result.changes.size(), 4);
+    // A choice holds from the frame after the one that decided it.
+    assert_true((result.since == std::vector<uint32_t>{0, result.changes[1] + result.delays[0] + 1,
+                                                       result.changes[2] + result.delays[1] + 1}));
     assert_true(result.again >= result.never && result.best >= result.again);
 }
 

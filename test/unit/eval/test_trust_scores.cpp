@@ -14,7 +14,7 @@ constexpr double half_angle = 0.78539816339744831; // that of a recall of 50 %
 
 vdna_trust_prediction predicted(double recall, double low, double high)
 {
-    return {recall, low, high, 0.7, 0.5, VDNA_TRUST_REASON_NONE, 0};
+    return {recall, low, high, 0.7, 0.5, 1.0, VDNA_TRUST_REASON_NONE, 0};
 }
 
 // A map of two references, of which 80 and 40 % are achieved.
@@ -54,7 +54,7 @@ void a_query_of_many_maps_counts_as_much_as_one_of_few(void **)
 void a_withheld_prediction_is_counted_by_its_reason_and_judges_no_predictor(void **)
 {
     eval::TrustCase c = case_of(0);
-    c.trial.full.predictions[1] = {NAN, NAN, NAN, 0.7, 0.5, VDNA_TRUST_REASON_UNLIKE, 0};
+    c.trial.full.predictions[1] = {NAN, NAN, NAN, 0.7, 0.5, 1.0, VDNA_TRUST_REASON_UNLIKE, 0};
     const eval::PredictionScore s = eval::score_predictions({c}, false);
     assert_true(s.predictions == 1 && s.withheld[VDNA_TRUST_REASON_UNLIKE] == 1);
     assert_true(near(s.error.value, 10) && near(s.error_constant.value, 20));

@@ -297,6 +297,27 @@ static void without_centring_directions_are_from_the_origin(void **state)
     assert_true(vdna_localise_mean(localise)[0] == 0);
 }
 
+static void distances_are_never_below_0_or_above_2(void **state)
+{
+    (void)state;
+    /* Each of its numbers is rounded away from 0, which makes the direction longer than 1. */
+    const float embeddings[2][3] = {{3, 5, 5}, {-3, -5, -5}};
+    vdna_localise_map_config map_config;
+    vdna_localise_map_config_init(&map_config);
+    map_config.frames = 2;
+    map_config.dim = 3;
+    map_config.centred = 0;
+    map_config.embeddings = embeddings[0];
+    vdna_localise_map *map = NULL;
+    OK(vdna_localise_map_init(&map_config, map_mem, sizeof map_mem, &map));
+    const vdna_localise_config config = config_of(map);
+    vdna_localise *localise = made(&config);
+    vdna_localise_answer answer;
+    OK(vdna_localise_feed(localise, embeddings[0], &answer));
+    assert_true(answer.nearest == 0 && answer.nearest_distance == 0);
+    assert_true(vdna_localise_distances(localise)[1] == 2);
+}
+
 static void a_reset_forgets_everything(void **state)
 {
     (void)state;
@@ -764,6 +785,7 @@ int main(void)
         cmocka_unit_test(a_mean_worth_nothing_begins_as_the_first_frame),
         cmocka_unit_test(the_mean_remembers_so_many_frames),
         cmocka_unit_test(without_centring_directions_are_from_the_origin),
+        cmocka_unit_test(distances_are_never_below_0_or_above_2),
         cmocka_unit_test(a_reset_forgets_everything),
         cmocka_unit_test(on_a_map_whose_frames_are_alike_nothing_is_seen),
         cmocka_unit_test(a_map_of_one_frame_always_has_all_of_the_mass),

@@ -195,6 +195,21 @@ static void camera_time_that_runs_backwards_begins_the_warmup_anew(void **state)
     assert_int_equal(vdna_select_chosen(select), 1);
 }
 
+static void a_frame_that_cannot_be_localised_still_announces_the_choice(void **state)
+{
+    (void)state;
+    vdna_select *select = selector(by_time(1000));
+    feed(select, 0, 3.5f, 5);
+    vdna_select_answer answer = feed(select, 1000, 3.5f, 1e30f);
+    assert_int_equal(answer.state, VDNA_SELECT_SELECTED);
+    assert_int_equal(answer.newly_ranked, 1);
+    assert_int_equal(answer.localised, 0);
+    assert_int_equal(vdna_select_accepted(select), 2);
+    /* Later ones have nothing else to tell, so they are refused. */
+    assert_int_equal(try_frame(select, 2000, 3.5f, 1e30f, &answer), VDNA_ERR_NONFINITE);
+    assert_int_equal(vdna_select_rejected(select), 1);
+}
+
 static void a_backward_stamp_does_not_end_a_warmup_by_time(void **state)
 {
     (void)state;
@@ -528,6 +543,7 @@ int main(void)
         cmocka_unit_test(later_frames_do_not_change_the_choice_nor_the_live_histogram),
         cmocka_unit_test(a_warmup_by_time_is_the_frames_before_first_plus_t),
         cmocka_unit_test(camera_time_that_runs_backwards_begins_the_warmup_anew),
+        cmocka_unit_test(a_frame_that_cannot_be_localised_still_announces_the_choice),
         cmocka_unit_test(a_backward_stamp_does_not_end_a_warmup_by_time),
         cmocka_unit_test(a_late_frame_is_refused_and_counted_apart),
         cmocka_unit_test(frames_that_changed_places_do_not_keep_a_warmup_from_ending),

@@ -285,6 +285,14 @@ void refused_frames_give_the_last_reason(void **)
         facts.refused += 10;
     });
     assert_true(s.says("all frames are refused, the last one because: picture: not a JPEG"));
+    assert_false(s.says("max_image_pixels"));
+    s.facts.refusal =
+        "picture: 9999x9999 pixels are too many; the limit is 65535 a side and 2097152 in all";
+    s.pass(1, [](Facts &facts) {
+        facts.camera.received += 10;
+        facts.refused += 10;
+    });
+    assert_true(s.says("in all ([lcm] max_image_pixels)"));
     s.pass(1, [](Facts &facts) {
         facts.camera.received += 10;
         facts.refused += 9;

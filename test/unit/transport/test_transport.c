@@ -896,6 +896,21 @@ static void the_room_for_messages_is_there_from_the_start(void **state)
 
 // --- logs ---
 
+static void a_channel_has_1_to_63_bytes(void **state)
+{
+    (void)state;
+    char name[VDNA_CHANNEL_BYTES_MAX + 2];
+    vdna_error error = {""};
+    memset(name, 'C', sizeof name);
+    name[VDNA_CHANNEL_BYTES_MAX + 1] = '\0';
+    assert_int_equal(vdna_transport_check_channel(name, &error), VDNA_ERR_ARG);
+    assert_true(strstr(error.text, name) != NULL);
+    assert_int_equal(vdna_transport_check_channel(name + 1, NULL), VDNA_OK);
+    assert_int_equal(vdna_transport_check_channel("C", NULL), VDNA_OK);
+    assert_int_equal(vdna_transport_check_channel("", NULL), VDNA_ERR_ARG);
+    assert_int_equal(vdna_transport_check_channel(NULL, NULL), VDNA_ERR_ARG);
+}
+
 static void a_url_names_a_log_if_it_is_to_be_read(void **state)
 {
     (void)state;
@@ -997,6 +1012,7 @@ int main(void)
         cmocka_unit_test(sources_are_addresses_and_not_too_many),
         cmocka_unit_test(an_old_caller_gets_the_defaults_of_what_he_lacks),
         cmocka_unit_test(the_room_for_messages_is_there_from_the_start),
+        cmocka_unit_test(a_channel_has_1_to_63_bytes),
         cmocka_unit_test(a_url_names_a_log_if_it_is_to_be_read),
         cmocka_unit_test(a_log_hands_out_every_frame_and_then_ends),
     };

@@ -76,7 +76,7 @@ class ExperienceLocaliser
 
   private:
     ExperienceLocaliser(const vdna_experience &experience, double tolerance,
-                        std::vector<int64_t> place)
+                        std::vector<int64_t> &&place)
         : map_(experience.embeddings, experience.frames, experience.identity.dim, experience.name,
                vdna_identity_is_centred(&experience.identity) != 0),
           localiser_(map_, config_of(experience, tolerance, place), experience.name)

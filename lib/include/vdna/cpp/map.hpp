@@ -25,6 +25,16 @@ struct MapOpening {
     bool leave_out = false; /**< leave out damaged experiences; otherwise they refuse the map */
 };
 
+/** An experience as the selector wants it; borrowed from the experience. */
+inline vdna_select_candidate candidate_of(const vdna_experience &experience)
+{
+    vdna_select_candidate candidate{};
+    vdna_experience_view(&experience, &candidate.dna);
+    candidate.embeddings = experience.embeddings;
+    candidate.frames = experience.frames;
+    return candidate;
+}
+
 class Map
 {
   public:
@@ -81,12 +91,9 @@ class Map
     /** The experiences as the selector wants them; borrowed from this map. */
     std::vector<vdna_select_candidate> candidates() const
     {
-        std::vector<vdna_select_candidate> candidates(experiences_.size());
-        for (size_t i = 0; i < candidates.size(); i++) {
-            vdna_experience_view(&experiences_[i], &candidates[i].dna);
-            candidates[i].embeddings = experiences_[i].embeddings;
-            candidates[i].frames = experiences_[i].frames;
-        }
+        std::vector<vdna_select_candidate> candidates;
+        for (const vdna_experience &experience : experiences_)
+            candidates.push_back(candidate_of(experience));
         return candidates;
     }
 

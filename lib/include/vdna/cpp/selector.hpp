@@ -102,7 +102,7 @@ class Selector
     size_t memory_size() const
     {
         return memory_.size() * sizeof memory_[0] + candidates_.size() * sizeof candidates_[0] +
-               localisers_.size() * sizeof localisers_[0];
+               localisers_.size() * sizeof(vdna_localise *);
     }
 
   private:
