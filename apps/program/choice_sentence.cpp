@@ -54,7 +54,7 @@ void append_misfit(Sentence &sentence, const Choice &choice)
 {
     append(sentence, "none of %d experiences ", choice.count);
     if (std::strcmp(choice.verdict, "poor") == 0) {
-        append(sentence, "is good enough: the least bad, %s, ", choice.experience);
+        append(sentence, "is good enough: the best, %s, ", choice.experience);
         append_recall(sentence, choice);
     } else {
         append(sentence, "looks like this run");

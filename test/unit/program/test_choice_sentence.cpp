@@ -68,7 +68,7 @@ void too_poor_a_choice_is_told_what_would_help(void **)
 {
     Choice choice = sure;
     choice.verdict = "poor";
-    expect(choice, "none of 4 experiences is good enough: the least bad, winter, expects 93 % "
+    expect(choice, "none of 4 experiences is good enough: the best, winter, expects 93 % "
                    "(85 to 97) of frames right; record one now with `vdna build`");
 }
 
