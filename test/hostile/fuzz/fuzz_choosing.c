@@ -5,7 +5,7 @@
 
 #include "calls.h"
 
-enum { NEURONS = 2, DIM = 3, FRAMES = 6, CANDIDATES = 3, CALLS = 48 };
+enum { NEURONS = 2, DIM = 3, LAST = 2, FRAMES = 6, CANDIDATES = 3, CALLS = 48 };
 
 /* Larger objects are not made: they would take most of the time. */
 #define SIZE_TRIED 20000u
@@ -30,6 +30,11 @@ typedef struct machine {
     int localises;  /* the selector has localisers */
     void *mem;
     vdna_select *select; /* NULL = not made */
+    vdna_trust_run trusted[CANDIDATES];
+    int8_t codes[CANDIDATES][FRAMES][LAST];
+    float scales[CANDIDATES][FRAMES];
+    void *trust_mem;
+    vdna_trust *trust; /* of the selector; NULL = none */
     uint64_t fed;
     int64_t stamp;
 } machine;
@@ -37,8 +42,10 @@ typedef struct machine {
 static void drop_select(machine *m)
 {
     free(m->mem);
-    m->mem = NULL;
+    free(m->trust_mem);
+    m->mem = m->trust_mem = NULL;
     m->select = NULL;
+    m->trust = NULL;
 }
 
 /* ---- what is stored */
@@ -92,6 +99,11 @@ static void make_run(calls *c, machine *m, size_t i)
     vdna_hist_view_of(&r->hist, &m->candidates[i].dna);
     m->candidates[i].embeddings = r->embeddings;
     m->candidates[i].frames = r->frames;
+    for (size_t f = 0; f < FRAMES; f++) {
+        m->scales[i][f] = next_byte(c) / 255.0f;
+        for (size_t k = 0; k < LAST; k++)
+            m->codes[i][f][k] = (int8_t)(next_byte(c) - 128);
+    }
 }
 
 /* A map of another shape is refused, or has a size. */
@@ -196,6 +208,7 @@ static void check_localiser(const run *r)
     const double *mean = vdna_localise_mean(r->localise);
     MUST(isfinite(mean[0] + mean[DIM - 1]));
     MUST(isfinite(vdna_localise_evidence(r->localise)));
+    MUST(vdna_localise_jumps(r->localise) <= 64);
     MUST(vdna_localise_frames(r->localise) == r->frames);
     MUST(vdna_localise_dim(r->localise) == DIM);
 }
@@ -260,6 +273,48 @@ static void reset_localiser(calls *c, machine *m)
 
 /* ---- the selector */
 
+/* Trust that knows nothing, or that every run found all others as near as one number says. */
+static vdna_trust *any_trust(calls *c, machine *m, uint32_t runs)
+{
+    vdna_trust_cell cells[CANDIDATES * CANDIDATES];
+    uint32_t frames[CANDIDATES];
+    double own_scale[CANDIDATES], correlation[CANDIDATES];
+    const double nearest = 2 * next_byte(c) / 255.0, recall = next_byte(c) / 255.0;
+    const int is_by_likeness = (int)below(c, 2), is_labelled = (int)below(c, 2);
+    for (uint32_t i = 0; i < CANDIDATES * CANDIDATES; i++)
+        for (uint32_t w = 0; w < VDNA_TRUST_WINDOWS; w++) {
+            cells[i].nearest[w] = nearest;
+            cells[i].likeness[w] = is_by_likeness ? nearest : (double)NAN;
+            cells[i].recall[w] = is_labelled ? recall : (double)NAN;
+            cells[i].distance[w] = is_labelled ? 1 + i % 3 : (double)NAN;
+        }
+    for (uint32_t i = 0; i < CANDIDATES; i++) {
+        frames[i] = m->runs[i].frames;
+        own_scale[i] = 1;
+        correlation[i] = below(c, 2) ? 1 : (double)NAN;
+        const vdna_trust_run stored = {.embeddings = m->runs[i].embeddings,
+                                       .last_layer = m->codes[i][0],
+                                       .last_layer_scale = m->scales[i],
+                                       .frames = m->runs[i].frames,
+                                       .dim = DIM,
+                                       .last_layer_dim = LAST};
+        m->trusted[i] = stored;
+    }
+    const vdna_trust_tables tables = {frames, own_scale, correlation, cells};
+    vdna_trust_config config;
+    vdna_trust_config_init(&config);
+    config.runs = runs;
+    config.tables = below(c, 4) ? &tables : NULL;
+    config.min_recall = below(c, 2);
+    config.switch_cost = 1 + below(c, 4);
+    const size_t size = vdna_trust_mem_size(&config);
+    m->trust_mem = block_of(size);
+    vdna_trust *trust = NULL;
+    MUST(vdna_trust_init(&config, m->trust_mem, size, &trust) == VDNA_OK);
+    MUST(vdna_trust_runs(trust) == runs);
+    return trust;
+}
+
 static void make_select(calls *c, machine *m)
 {
     int are_made = 1;
@@ -273,13 +328,20 @@ static void make_select(calls *c, machine *m)
     config.candidate_count = seldom(c, 32) ? 0 : 1 + below(c, CANDIDATES);
     config.candidates = m->candidates;
     config.dim = seldom(c, 32) ? any_count(c, 0) : DIM;
-    config.warmup_frames = below(c, 2) ? below(c, 6) : 0;
+    config.warmup_frames = below(c, 2) ? below(c, 16) : 0;
     config.warmup_us = config.warmup_frames == 0 || seldom(c, 32) ? below(c, 8) : 0;
     config.warmup_frames_min = seldom(c, 8) ? any_count(c, 0) : below(c, 3);
     config.late_us = seldom(c, 16) ? any_int64(c) : below(c, 4);
     config.time_unit = below(c, 6);
     config.localisers = are_made && below(c, 4) ? m->localisers : NULL;
     config.top = config.localisers ? below(c, CANDIDATES + 1) : 1;
+    if (config.candidate_count > 0 && below(c, 2) && config.struct_size == sizeof config) {
+        m->trust = config.trust = any_trust(c, m, config.candidate_count);
+        config.runs = seldom(c, 32) ? NULL : m->trusted;
+    }
+    config.rank = below(c, 3) + (seldom(c, 32) ? any_count(c, 0) : 0);
+    config.stop_early = below(c, 2);
+    config.reselect = below(c, 2);
     const size_t size = vdna_select_mem_size(&config);
     if (size > SIZE_TRIED)
         return;
@@ -303,8 +365,26 @@ static void check_ranking(const machine *m)
     for (uint32_t i = 0; i < count; i++)
         found |= 1u << ranking[i].candidate;
     MUST(found == (1u << count) - 1);
-    MUST(vdna_select_chosen(m->select) < m->count);
-    MUST(vdna_select_margin_bins(m->select) >= 0);
+    MUST(vdna_select_chosen(m->select) == ranking[0].candidate);
+    MUST(vdna_select_margin_bins(m->select) >= 0 ||
+         vdna_select_ranked_by(m->select) != VDNA_SELECT_BY_EMD ||
+         vdna_select_switches(m->select) > 0);
+}
+
+static void check_trust(const machine *m)
+{
+    const vdna_select *s = m->select;
+    uint32_t count = 0;
+    const vdna_trust_answer *trust = vdna_select_trust(s);
+    const vdna_trust_prediction *predictions = vdna_select_predictions(s, &count);
+    MUST((trust != NULL) == (m->trust && vdna_select_state(s) != VDNA_SELECT_WARMUP));
+    MUST((predictions != NULL) == (trust != NULL) && count == (trust ? m->count : 0));
+    for (uint32_t i = 0; i < count; i++)
+        MUST(isnan(predictions[i].recall) == (predictions[i].reason != VDNA_TRUST_REASON_NONE));
+    if (vdna_select_state(s) == VDNA_SELECT_NONE_FITS)
+        MUST(trust->verdict != VDNA_TRUST_FITS);
+    MUST(vdna_select_ranked_by(s) <= VDNA_SELECT_BY_RELATIVE);
+    MUST(vdna_select_previous(s) < m->count && (!vdna_select_is_lost(s) || m->localises));
 }
 
 static void check_select(const machine *m)
@@ -326,8 +406,9 @@ static void check_select(const machine *m)
             sum += live.counts[b * NEURONS + n];
         MUST(sum == live.mass[n]);
     }
-    if (vdna_select_state(s) == VDNA_SELECT_SELECTED)
+    if (vdna_select_state(s) != VDNA_SELECT_WARMUP)
         check_ranking(m);
+    check_trust(m);
     const vdna_select_position *where = vdna_select_where(s);
     MUST(!where || (m->localises && where->candidate < m->count));
     if (where)
@@ -339,7 +420,7 @@ static void check_select_answer(const machine *m, const vdna_select_answer *answ
     const vdna_select_position *where = vdna_select_where(m->select);
     MUST(answer->state == vdna_select_state(m->select) && answer->newly_ranked <= 1);
     MUST(answer->restarted <= VDNA_RESTART_UNIT && answer->localised <= 1);
-    MUST(!answer->localised || answer->state == VDNA_SELECT_SELECTED);
+    MUST(!answer->localised || answer->state != VDNA_SELECT_WARMUP);
     const uint32_t in = where ? where->candidate : vdna_select_chosen(m->select);
     if (answer->localised)
         MUST(answer->match.index < m->runs[in].frames && answer->match.distance_sq >= 0);
@@ -351,6 +432,7 @@ static void feed_select(calls *c, machine *m)
         return;
     const uint32_t samples = 1 + below(c, 3), neurons = NEURONS + seldom(c, 32);
     float *values = floats_of(c, (size_t)samples * neurons), *embedding = floats_of(c, DIM);
+    float *last_layer = below(c, 8) ? floats_of(c, LAST) : NULL;
     const vdna_activations tap = {values, neurons, samples, below(c, 2)};
     m->stamp = seldom(c, 16) ? any_int64(c) : (int64_t)((uint64_t)m->stamp + below(c, 4));
     const vdna_select_frame frame = {m->stamp, &tap, 1, seldom(c, 64) ? NULL : embedding};
@@ -359,7 +441,9 @@ static void feed_select(calls *c, machine *m)
     vdna_select_answer answer;
     memset(&answer, 0xA5, sizeof answer);
     const snapshot before = snapshot_of(&answer, sizeof answer);
-    const vdna_status status = vdna_select_feed(m->select, &frame, &answer);
+    const vdna_status status = last_layer
+                                   ? vdna_select_feed_seen(m->select, &frame, last_layer, &answer)
+                                   : vdna_select_feed(m->select, &frame, &answer);
     require_unchanged_on_error(before, status);
     m->fed++;
     if (status == VDNA_OK)
@@ -372,6 +456,29 @@ static void feed_select(calls *c, machine *m)
     check_select(m);
     free(values);
     free(embedding);
+    free(last_layer);
+}
+
+/* Drive through a stored run: some of its frames, in some order. */
+static void drive_select(calls *c, machine *m)
+{
+    const run *r = &m->runs[below(c, CANDIDATES)];
+    const uint32_t step = below(c, FRAMES), frames = below(c, 80);
+    const float light = any_float(c), last_layer[LAST] = {any_float(c), any_float(c)};
+    const float values[NEURONS] = {any_float(c), any_float(c)};
+    const vdna_activations tap = {values, NEURONS, 1, VDNA_LAYOUT_SAMPLES_NEURONS};
+    for (uint32_t i = 0; m->select && i < frames; i++) {
+        float embedding[DIM];
+        for (size_t k = 0; k < DIM; k++)
+            embedding[k] = r->embeddings[i * step % r->frames * DIM + k] + light;
+        m->stamp = (int64_t)((uint64_t)m->stamp + 1);
+        const vdna_select_frame frame = {m->stamp, &tap, 1, embedding};
+        vdna_select_answer answer;
+        if (vdna_select_feed_seen(m->select, &frame, last_layer, &answer) == VDNA_OK)
+            check_select_answer(m, &answer);
+        m->fed++;
+        check_select(m);
+    }
 }
 
 static void reset_select(calls *c, machine *m)
@@ -389,7 +496,7 @@ static void reset_select(calls *c, machine *m)
 static void (*const operations[])(calls *, machine *) = {
     measure_map,    make_localiser,  make_localiser, feed,        feed,
     feed_distances, reset_localiser, make_select,    make_select, feed_select,
-    feed_select,    feed_select,     feed_select,    reset_select};
+    feed_select,    feed_select,     drive_select,   reset_select};
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {

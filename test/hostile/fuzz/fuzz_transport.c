@@ -6,6 +6,7 @@
 
 #include <vdna/transport.h>
 
+#include "connection.h"
 #include "message_sample.h"
 #include "protection.h"
 
@@ -82,9 +83,31 @@ static void try_image(const uint8_t *data, size_t size)
             name, "its picture is not within the message");
 }
 
+// A status of another daemon, whose machine has a name that can be shown.
+static void try_peer(const uint8_t *data, size_t size)
+{
+    static vdna_transport transport;
+    const vdna_transport_incoming message = {data, size, 1, NULL};
+    const char *name = vdna_message_status.name;
+    const bool is_status = vdna_transport_take_peer(&transport, &message);
+    require(!is_status || vdna_transport_check(&vdna_message_status, data, size) == VDNA_OK, name,
+            "is not well-formed");
+    uint32_t count = 0;
+    const vdna_transport_peer *peers = vdna_transport_peers(&transport, &count);
+    require(count <= VDNA_TRANSPORT_PEERS_MAX && count >= (uint32_t)is_status, name,
+            "the peers are not counted");
+    for (uint32_t i = 0; i < count; i++) {
+        const char *end = memchr(peers[i].host, '\0', sizeof peers[i].host);
+        require(end != NULL, name, "the name of the machine has no end");
+        for (const char *at = peers[i].host; at < end; at++)
+            require(*at < 0 || *at >= ' ', name, "the name of the machine has control characters");
+    }
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     try_image(data, size);
+    try_peer(data, size);
     for (unsigned i = 0; i < VDNA_MESSAGE_TYPES; i++)
         try_type(vdna_message_types[i], data, size);
     return 0;

@@ -246,6 +246,9 @@ static void make(calls *c, machine *m)
     m->mem = block_of(m->mem_size);
     const vdna_status status = vdna_trust_init(&config, m->mem, m->mem_size, &m->trust);
     MUST((status == VDNA_OK) == (m->trust != NULL));
+    MUST(status != VDNA_OK || vdna_trust_runs(m->trust) == m->runs);
+    MUST(status != VDNA_OK || !config.tables ||
+         vdna_trust_tables_check(&tables, m->runs) == VDNA_OK);
     MUST(size > 0 || status == VDNA_ERR_ARG);
     MUST(m->mem_size == size || status == VDNA_ERR_NOMEM);
     m->fed = 0;
@@ -324,8 +327,12 @@ static void choose(calls *c, machine *m)
 static void drive(calls *c, machine *m)
 {
     double *nearest = distances(c, m, 2), *expected = block_of(m->runs * sizeof *expected);
-    const vdna_status status = vdna_trust_expect(m->trust, nearest, expected);
-    MUST(status == VDNA_OK || status == VDNA_ERR_NONFINITE);
+    double *confidence = below(c, 2) ? distances(c, m, 1) : NULL;
+    const vdna_status status = confidence || below(c, 2)
+                                   ? vdna_trust_suit(m->trust, nearest, confidence, expected)
+                                   : vdna_trust_expect(m->trust, nearest, expected);
+    MUST(status == VDNA_OK || status == VDNA_ERR_NONFINITE ||
+         (confidence && status == VDNA_ERR_ARG));
     for (uint32_t b = 0; b < m->runs; b++)
         if (status == VDNA_OK)
             MUST(is_share_or_nan(expected[b]));
@@ -340,6 +347,7 @@ static void drive(calls *c, machine *m)
                                  : reconsidered == VDNA_ERR_ARG && choice == UINT32_MAX);
     free(nearest);
     free(expected);
+    free(confidence);
 }
 
 static void reset(calls *c, machine *m)
