@@ -94,6 +94,14 @@ void Reception::note_restart()
     put("localisation", localisation_);
 }
 
+// Of several daemons the page shows the one that answers.
+bool Reception::stands_by_another(const Json &status) const
+{
+    return status["state"] == "STANDBY" && status_.is_object() && status_["state"] != "STANDBY" &&
+           status_["instance"] != status["instance"] &&
+           seconds_since(status_us_) < telemetry::silence_max_s;
+}
+
 void Reception::take(const vdna_listener_message &message)
 {
     if (message.rejected)
@@ -103,6 +111,8 @@ void Reception::take(const vdna_listener_message &message)
     const telemetry::View &view = telemetry::view_of(*message.type);
     const std::string kind = view.name;
     Json json = view.json(message.data);
+    if (kind == "status" && stands_by_another(json))
+        return;
     Json &newest = kind == "ranking" ? ranking_ : kind == "localisation" ? localisation_ : status_;
     const bool restarted =
         newest.is_object() && newest.value("instance", Json()) != json.value("instance", Json());

@@ -39,6 +39,7 @@ class Reception
 
     void take(const vdna_listener_message &message);
     void take(const vdna_transport_frame &frame);
+    bool stands_by_another(const Json &status) const;
     void note_restart();
     void put(const char *kind, const Json &json);
     void put_headline();

@@ -157,7 +157,7 @@ static void warm_up_again(vdna_select *select)
 }
 
 /* The next part of the caller's block, which ends at `*end`, and begins there. */
-static void *part(unsigned char **end, size_t size)
+static void *next_part(unsigned char **end, size_t size)
 {
     unsigned char *const begin = *end;
     *end += size;
@@ -181,15 +181,15 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
     vdna_select s;
     memset(&s, 0, sizeof s);
     s.config = l.config;
-    s.ranking = part(&end, l.ranking);
-    s.views = part(&end, l.views);
-    s.scratch = part(&end, l.scratch);
-    s.leads = part(&end, l.leads);
-    s.answers = part(&end, l.answers);
-    s.predictions = part(&end, l.predictions);
-    s.of_candidates = part(&end, l.of_candidates);
-    s.likeness = part(&end, l.likeness);
-    s.codes = part(&end, l.codes);
+    s.ranking = next_part(&end, l.ranking);
+    s.views = next_part(&end, l.views);
+    s.scratch = next_part(&end, l.scratch);
+    s.leads = next_part(&end, l.leads);
+    s.answers = next_part(&end, l.answers);
+    s.predictions = next_part(&end, l.predictions);
+    s.of_candidates = next_part(&end, l.of_candidates);
+    s.likeness = next_part(&end, l.likeness);
+    s.codes = next_part(&end, l.codes);
     vdna_activations shape;
     const vdna_window_config window = window_config_of(&l.config, &shape);
     status = vdna_window_init(&window, end, l.window, &s.window);
@@ -271,8 +271,8 @@ static void restart(vdna_select *select, uint32_t cause)
 
 /* Give a frame to the window and to trust.
  * @param out_events  VDNA_WINDOW_ bits */
-static vdna_status take_in(vdna_select *select, const vdna_select_frame *frame, int64_t utime,
-                           uint32_t *out_events)
+static vdna_status add_to_window(vdna_select *select, const vdna_select_frame *frame, int64_t utime,
+                                 uint32_t *out_events)
 {
     const vdna_status status =
         vdna_window_add(select->window, utime, frame->taps, frame->tap_count, out_events);
@@ -306,7 +306,7 @@ static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, 
         restart(select, answer->restarted);
 
     uint32_t events = 0;
-    status = take_in(select, frame, utime, &events);
+    status = add_to_window(select, frame, utime, &events);
     const int is_complete = (events & VDNA_WINDOW_COMPLETE) != 0;
     const int is_first = select->state == VDNA_SELECT_WARMUP;
     answer->newly_ranked = is_complete || may_stop(select);

@@ -24,7 +24,7 @@ static int has_codes(const vdna_trust_run *run, uint32_t dim)
 }
 
 /* Whether frames can be measured in a candidate. */
-static int is_run(const vdna_select_config *config, uint32_t i)
+static int can_measure_in(const vdna_select_config *config, uint32_t i)
 {
     const vdna_trust_run *run = &config->runs[i];
     if (!run->embeddings || run->frames != config->candidates[i].frames || run->dim != config->dim)
@@ -44,7 +44,7 @@ int vdna_select_may_trust(const vdna_select_config *config)
     if (!config->runs || vdna_trust_runs(config->trust) != config->candidate_count)
         return 0;
     for (uint32_t i = 0; i < config->candidate_count; i++)
-        if (!is_run(config, i))
+        if (!can_measure_in(config, i))
             return 0;
     return 1;
 }

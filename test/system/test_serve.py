@@ -3,6 +3,7 @@
 Environment: VDNA_BIN (folder of the programs).
 """
 import os
+import signal
 import time
 import unittest
 
@@ -105,6 +106,19 @@ class ADaemon(unittest.TestCase):
             with Selectord("--map", MAP, "--warmup-frames", 12):
                 viewer.wait_for("ranking", lambda ranking: ranking is None)  # its predecessor's
                 viewer.wait_for("headline", lambda line: line["text"].startswith("Warming up"))
+
+    def test_shows_the_one_that_answers_of_two(self):
+        with Serve() as serve, Selectord("--map", MAP) as first:
+            viewer = Viewer(serve)
+            instance = viewer.wait_for("status")["instance"]
+            with Selectord("--map", MAP):
+                for _ in range(4):  # seconds; each of the two says something in each of them
+                    pulse = viewer.newest.get("pulse")
+                    viewer.wait_for("pulse", lambda newer, older=pulse: newer != older)
+                    self.assertEqual(viewer.newest["status"]["instance"], instance)
+                first.stop(signal.SIGKILL)
+                other = viewer.wait_for("status", lambda status: status["instance"] != instance)
+                self.assertNotEqual(other["serving_utime"], 0)
 
     def test_costs_little_beside_ten_viewers(self):
         with Serve() as serve, Selectord("--map", MAP, "--warmup-frames", 12), Play(LIVE, 10):
