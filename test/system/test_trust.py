@@ -109,7 +109,7 @@ class Choice(Drives):
         self.assertEqual(choices(answers)[0]["verdict"], "poor")
         first = places(answers)[0]
         self.assertEqual(first["validity"], "NONE_FITS")
-        self.assertIn("is good enough: the least bad, ", first["reason"])
+        self.assertIn("is good enough: the best, ", first["reason"])
         self.assertIsNotNone(first["predicted_recall"])
 
     def test_a_choice_that_has_settled_does_not_wait_for_the_whole_warmup(self):
