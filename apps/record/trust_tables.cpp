@@ -130,7 +130,7 @@ class TableMaker
         const size_t count = runs_.size();
         program::Progress bar("playing each experience against the others", count);
         TrustTables made;
-        vdna_trust_cell nothing;
+        vdna_trust_cell nothing{};
         for (double *numbers :
              {nothing.nearest, nothing.likeness, nothing.recall, nothing.distance})
             std::fill_n(numbers, VDNA_TRUST_WINDOWS, unknown);

@@ -17,11 +17,12 @@ namespace
 
 // Small enough for any limit of pixels that is of use.
 constexpr uint32_t side = 16;
+using Pixels = std::array<uint8_t, size_t{side} * side>;
 
 // A dark slope with a step: what frames look like to a network, but no picture of its own.
-std::array<uint8_t, side * side> picture()
+Pixels picture()
 {
-    std::array<uint8_t, side * side> pixels{};
+    Pixels pixels{};
     for (uint32_t y = 0; y < side; y++)
         for (uint32_t x = 0; x < side; x++)
             pixels[y * side + x] = static_cast<uint8_t>(4 * x + y + (x > y ? 20 : 0));

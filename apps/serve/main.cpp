@@ -124,6 +124,7 @@ int fail(const std::string &sentence, int code)
 
 } // namespace vdna::serve
 
+// NOLINTNEXTLINE(bugprone-exception-escape): only of options that clash
 int main(int argc, char **argv)
 {
     // Threads that share their heaps: half the memory.

@@ -123,7 +123,7 @@ vdna_status vdna_map_trust_open(const char *directory, const vdna_experience *ex
                          "what a map knows about itself: expected a directory, 1 to %u experiences"
                          " and a place for it",
                          VDNA_TRUST_RUNS_MAX);
-    vdna_file_bytes bytes;
+    vdna_file_bytes bytes = {NULL, 0};
     vdna_status status = open_bytes_of(directory, error, &bytes);
     if (status != VDNA_OK)
         return status;

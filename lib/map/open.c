@@ -74,7 +74,7 @@ static vdna_status copy_file(int descriptor, const char *path, vdna_error *error
 static vdna_status take_bytes(int descriptor, int copy, const char *path, vdna_error *error,
                               vdna_file_bytes *file)
 {
-    file->bytes = NULL;
+    *file = (vdna_file_bytes){NULL, 0};
     const vdna_status status = size_of(descriptor, path, error, &file->size);
     if (status != VDNA_OK || file->size == 0)
         return status;
@@ -118,7 +118,7 @@ static const char *remedy_of(vdna_status status)
 vdna_status vdna_open_descriptor(int descriptor, int copy, const char *path, vdna_error *error,
                                  vdna_experience *out_experience)
 {
-    vdna_file_bytes file;
+    vdna_file_bytes file = {NULL, 0};
     vdna_status status = vdna_open_bytes(descriptor, copy, path, error, &file);
     if (status != VDNA_OK)
         return status;

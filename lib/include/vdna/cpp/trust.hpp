@@ -105,7 +105,7 @@ class Trust
     }
 
     /** The same of an open map, which must outlive runs(). */
-    explicit Trust(const Map &map, vdna_trust_config config = trust_defaults())
+    explicit Trust(const Map &map, const vdna_trust_config &config = trust_defaults())
         : Trust(map.directory(), map.experiences(), config)
     {
     }
