@@ -1,6 +1,8 @@
 // Exit codes of the programs.
 #pragma once
 
+#include <exception>
+
 #include <vdna/cpp/error.hpp>
 
 namespace vdna::program
@@ -29,7 +31,7 @@ class Interrupted : public Error
 };
 
 // The result has been written, and says that no experience fits the live run: no error.
-struct NoneFits {
+struct NoneFits : std::exception {
 };
 
 inline ExitCode exit_code_of(const Error &error)
