@@ -156,7 +156,7 @@ class Page(unittest.TestCase):
 
     def test_commands_only_with_the_token(self):
         self.open(self.serve.origin + "/")
-        self.assertTrue(self.browser.value("document.querySelector('#commands button').disabled"))
+        self.browser.wait_for("document.querySelector('#commands button')?.disabled")
         self.assertIn("token", self.browser.value(text_of("sent")))
         self.open(self.serve.origin + "/#wrong")
         self.browser.value("location.reload()")
