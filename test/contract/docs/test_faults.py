@@ -16,7 +16,7 @@ def exists(name, sources):
 
 def main():
     sources = "\n".join(path.read_text(encoding="utf-8") for path in sorted(
-        (ROOT / "test").rglob("test_*.c*")))
+        (ROOT / "test").rglob("test_*.c*")) if path.suffix in (".c", ".cpp"))
     rows = [line for line in PAGE.read_text(encoding="utf-8").splitlines()
             if line.startswith("|") and line.split("|")[1].strip() not in HEADS]
     problems = [f"{PAGE}: expected the name of a test that exists at the end of: {row}"
