@@ -27,19 +27,22 @@ RATES = (20, 10, 4)      # Hz; an idle machine manages 100
 TOLERANCE = 64           # places
 
 BACKBONE = "efficientnet_lite0_paper"
+PAPER = "[select]\nrank = 'emd'\nstop_early = false\nreselect = false\n"
 
 PICTURES = Path(os.environ["VDNA_SHARED"]) / "data" / "planetarium_pan"
 LABELS = PICTURES / "manifest.csv"
 
 
 def daemon_says(live, road_map):
-    """The daemon's messages for the first frames of a month.
+    """The daemon's messages for the first frames of a month, ranked as in the paper.
 
     On a busy machine the daemon may skip frames, as designed; then they are sent again, slower.
     """
+    settings = road_map.parent / "paper.toml"
+    settings.write_text(PAPER, encoding="utf-8")
     for rate in RATES:
         with Watch() as watch, Selectord(
-                "--map", road_map, "--warmup-frames", WARMUP, "--backbone", BACKBONE):
+                "-c", settings, "--map", road_map, "--warmup-frames", WARMUP, "--backbone", BACKBONE):
             vdna("play", live, "--frames", WARMUP + AFTER, "--rate", rate, "--stamp", "recorded")
             status = watch.wait_for("status", lambda s: s["received"] >= WARMUP + AFTER and
                                     s["processed"] + s["skipped"] == s["received"])
@@ -79,7 +82,7 @@ def examine(live, others, road_map):
     """Errors and regrets of one month, over all frames and after the warmup, and faults."""
     vdna("build", road_map, *others, "--labels", LABELS, "--backbone", BACKBONE)
     ranking = [(entry["experience"], entry["distance_bins"]) for entry in
-               vdna_json("rank", live, road_map, "--warmup", WARMUP)["ranking"]]
+               vdna_json("rank", live, road_map, "--warmup", WARMUP, "--rank", "emd")["ranking"]]
     faults = faults_of(daemon_says(live, road_map), ranking)
     candidates = vdna_json("localise", live, road_map, "--labels", LABELS,
                            "--localiser", "nearest", "--tolerance", TOLERANCE,
