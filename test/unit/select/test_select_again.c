@@ -201,6 +201,48 @@ static void frames_of_a_standing_robot_or_beyond_measure_say_nothing(void **stat
     assert_int_equal(vdna_select_switches(select), 0);
 }
 
+/* By day until 60, then by night as long as nobody switches, at most 100 frames.
+ * @param step  frames of the route between two pictures
+ * @return frames by night */
+static uint32_t drive_into_the_night(vdna_select *select, uint32_t step)
+{
+    for (uint32_t t = 0; t < 60; t++)
+        drive(select, t, DAY);
+    float picture[DIM];
+    see(20, NIGHT, picture);
+    uint32_t t = 0;
+    for (; t < 100 && vdna_select_switches(select) == 0; t++) {
+        if (step > 0)
+            see((20 + t * step) % FRAMES, NIGHT, picture);
+        const float activation = 0.5f;
+        const vdna_activations tap = {&activation, 1, 1, 0};
+        const vdna_select_frame frame = {60 + t, &tap, 1, picture};
+        vdna_select_answer answer;
+        OK(vdna_select_feed(select, &frame, &answer));
+    }
+    return t;
+}
+
+static void a_standing_robot_keeps_its_choice(void **state)
+{
+    (void)state;
+    make_map();
+    assert_int_equal(drive_into_the_night(selector(make_trust(NULL), 12, 1), 0), 100);
+    make_map();
+    assert_true(drive_into_the_night(selector(make_trust(NULL), 12, 1), 1) < 60);
+}
+
+static void where_all_are_as_near_the_surer_place_decides(void **state)
+{
+    (void)state;
+    make_map();
+    for (uint32_t b = 0; b < RUNS; b++)
+        runs[b].embeddings = embeddings[DAY][0];
+    vdna_select *select = selector(make_trust(NULL), 12, 1);
+    assert_true(drive_into_the_night(select, 1) < 100);
+    assert_int_equal(vdna_select_chosen(select), NIGHT);
+}
+
 static void another_route_is_told_by_jumps_of_the_place(void **state)
 {
     (void)state;
@@ -332,6 +374,8 @@ int main(void)
         cmocka_unit_test(a_constant_drive_sees_no_switch),
         cmocka_unit_test(a_change_of_light_is_one_switch_and_the_new_choice_knows_the_place),
         cmocka_unit_test(frames_of_a_standing_robot_or_beyond_measure_say_nothing),
+        cmocka_unit_test(a_standing_robot_keeps_its_choice),
+        cmocka_unit_test(where_all_are_as_near_the_surer_place_decides),
         cmocka_unit_test(another_route_is_told_by_jumps_of_the_place),
         cmocka_unit_test(nothing_is_reconsidered_unless_told_to),
         cmocka_unit_test(while_none_fits_all_localisers_follow_so_the_next_choice_knows_the_place),
