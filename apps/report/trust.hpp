@@ -22,6 +22,9 @@ struct TrustTable {
 // unlike, warmups that end early.
 std::vector<TrustTable> trust_tables(const eval::TrustEvaluation &trust);
 
+// What predictions were worth, in a sentence.
+std::string trust_summary(const eval::TrustEvaluation &trust);
+
 // How the tables are to be read, in a few sentences.
 extern const char *const trust_explanation;
 

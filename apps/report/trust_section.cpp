@@ -88,7 +88,8 @@ std::string trust_section(const eval::Evaluation &evaluation)
         figures += reliability_figure(score);
     for (const TrustTable &shown : trust_tables(*evaluation.trust))
         tables += html_of(shown);
-    return "<h2>Trust in the choice</h2>" + text_element("p", trust_explanation) +
+    return "<h2>Trust in the choice</h2>" + text_element("p", trust_summary(*evaluation.trust)) +
+           text_element("p", trust_explanation) +
            "<p>Predictions in ten bins: on the diagonal, as much is achieved as was "
            "predicted.</p>" +
            element("div class=\"charts\"", figures) + tables + pairs_table(evaluation);

@@ -131,6 +131,23 @@ TrustTable settled_table(const eval::TrustEvaluation &trust)
 
 } // namespace
 
+std::string trust_summary(const eval::TrustEvaluation &trust)
+{
+    for (const eval::PredictionScore &score : trust.predictions) {
+        if (score.references != 0 || score.frames != 0)
+            continue;
+        if (!std::isfinite(score.error.value))
+            return "In maps of all references nothing is predicted: the tables say why.";
+        const bool helps = score.error.value < score.error_constant.value;
+        return "In maps of all references, recall is predicted to " +
+               program::fixed(score.error.value, 1) + " points on average, " +
+               (helps ? "closer" : "no closer") + " than by a reference's mean (" +
+               program::fixed(score.error_constant.value, 1) + "), and " +
+               program::fixed(score.coverage.value, 0) + " % lie in their 80 % intervals.";
+    }
+    return "";
+}
+
 const char *const trust_explanation =
     "Each query is tried in maps of its references: of all, and of 3 and 4 drawn from them. What a "
     "map knows about itself is made of its own drives alone. Means are over queries, in brackets "
@@ -151,7 +168,8 @@ std::vector<TrustTable> trust_tables(const eval::TrustEvaluation &trust)
 
 std::string trust_text(const eval::TrustEvaluation &trust)
 {
-    std::string text = std::string("\nTrust in the choice. ") + trust_explanation + "\n";
+    std::string text =
+        "\nTrust in the choice. " + trust_summary(trust) + "\n" + trust_explanation + "\n";
     for (const TrustTable &shown : trust_tables(trust)) {
         program::TextTable table;
         table.add_row(shown.heads);

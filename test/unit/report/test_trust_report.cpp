@@ -41,6 +41,8 @@ struct Fixture {
         score.maps = score.predictions = 1;
         score.withheld = {0, 0, 0, 1, 0, 2, 0};
         score.error = {7, 6, 8};
+        score.error_constant = {9, 8, 10};
+        score.coverage = {81, 80, 82};
         score.skill = none;
         score.reliability[8] = {1, 85, {80, 70, 90}};
         trust.predictions = {score};
@@ -66,11 +68,27 @@ void the_text_has_every_table(void **)
     assert_true(contains(text, "all         transfer  1.00 (0.50 to 2.00)  3.00"));
     assert_true(contains(text, "all         fused_filter  -                4.00"));
     assert_true(contains(text, "all         full    1            7.00 (6.00 to 8.00)"));
-    assert_true(contains(text, "all         full    1     0.00 (0.00 to 0.00)"));
+    assert_true(contains(text, "all         full    1     81.00 (80.00 to 82.00)"));
     assert_true(contains(text, "unlike 1, not labelled 2\n"));
     assert_true(contains(text, "from 80      1            85.00  80.00 (70.00 to 90.00)\n"));
     assert_true(contains(text, "black     3           20    99.00 (98.00 to 100.00)  -"));
     assert_true(contains(text, "50.00          100.00         25.00     1.00           2.00\n"));
+}
+
+void a_sentence_says_what_predictions_were_worth(void **)
+{
+    Fixture f;
+    eval::TrustEvaluation &trust = *f.evaluation.trust;
+    const std::string summary = report::trust_summary(trust);
+    assert_true(contains(summary,
+                         "to 7.0 points on average, closer than by a reference's mean (9.0), "
+                         "and 81 % lie in their 80 % intervals"));
+    assert_true(contains(report::trust_text(trust), summary));
+    assert_true(contains(report::trust_section(f.evaluation), "81 % lie in"));
+    trust.predictions[0].error_constant.value = 7;
+    assert_true(contains(report::trust_summary(trust), "no closer than"));
+    trust.predictions[0].error = none;
+    assert_true(contains(report::trust_summary(trust), "nothing is predicted"));
 }
 
 void json_has_scores_and_pairs(void **)
@@ -129,6 +147,7 @@ int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(the_text_has_every_table),
+        cmocka_unit_test(a_sentence_says_what_predictions_were_worth),
         cmocka_unit_test(json_has_scores_and_pairs),
         cmocka_unit_test(csv_has_predictions_beside_recalls),
         cmocka_unit_test(the_page_has_tables_a_curve_and_each_pair),
