@@ -5,7 +5,7 @@
 
 #include <vdna/cpp/error.hpp>
 #include <vdna/cpp/experience_localiser.hpp>
-#include <vdna/trust.h>
+#include <vdna/cpp/trust.hpp>
 
 #include "eval/filter.hpp"
 #include "eval/reference_maps.hpp"
@@ -147,11 +147,7 @@ class Run
 
     static double own_scale(const vdna_experience &map, double tolerance)
     {
-        vdna_trust_run run{};
-        run.embeddings = map.embeddings;
-        run.frames = map.frames;
-        run.dim = map.identity.dim;
-        run.place = map.frame_place;
+        vdna_trust_run run = trust_run_of(map);
         run.position = map.frame_position;
         double scale = 0;
         require(vdna_trust_own_scale(&run, tolerance, &scale), map.name);
@@ -205,26 +201,22 @@ class Choice
 {
   public:
     Choice(const std::vector<Candidate> &candidates, const std::string &drive)
-        : candidates_(candidates), drive_(drive), row_(candidates.size())
+        : candidates_(candidates), drive_(drive), row_(candidates.size()),
+          block_(config_of(candidates.size()), drive)
     {
-        vdna_trust_config config;
-        vdna_trust_config_init(&config);
-        config.runs = static_cast<uint32_t>(candidates.size());
-        const size_t size = vdna_trust_mem_size(&config);
-        memory_.resize(size / sizeof(int64_t) + 1);
-        require(vdna_trust_init(&config, memory_.data(), size, &trust_), drive);
     }
 
     uint32_t of_warmup()
     {
         for (size_t frame = 0; frame < candidates_.front().warmup.size(); frame++)
-            require(vdna_trust_feed(
-                        trust_, row([&](const Candidate &c) { return c.warmup[frame]; }), nullptr),
+            require(vdna_trust_feed(block_.get(),
+                                    row([&](const Candidate &c) { return c.warmup[frame]; }),
+                                    nullptr),
                     drive_);
         std::vector<vdna_trust_prediction> unused(candidates_.size());
         vdna_trust_answer answer;
-        require(vdna_trust_predict(trust_, nullptr, unused.data(), &answer), drive_);
-        require(vdna_trust_choose(trust_, answer.choice), drive_);
+        require(vdna_trust_predict(block_.get(), nullptr, unused.data(), &answer), drive_);
+        require(vdna_trust_choose(block_.get(), answer.choice), drive_);
         return answer.choice;
     }
 
@@ -234,16 +226,23 @@ class Choice
         std::vector<double> confidence, suits(candidates_.size());
         for (const Candidate &candidate : candidates_)
             confidence.push_back(candidate.frames[frame].confidence);
-        require(vdna_trust_suit(trust_,
+        require(vdna_trust_suit(block_.get(),
                                 row([&](const Candidate &c) { return c.frames[frame].nearest; }),
                                 confidence.data(), suits.data()),
                 drive_);
         uint32_t choice = 0;
-        require(vdna_trust_reconsider(trust_, suits.data(), 1, &choice), drive_);
+        require(vdna_trust_reconsider(block_.get(), suits.data(), 1, &choice), drive_);
         return choice;
     }
 
   private:
+    static vdna_trust_config config_of(size_t runs)
+    {
+        vdna_trust_config config = trust_defaults();
+        config.runs = static_cast<uint32_t>(runs);
+        return config;
+    }
+
     // Numbers made relative distances, 0..2, by a factor that all have in common.
     template <typename Number>
     const double *row(Number number)
@@ -259,8 +258,7 @@ class Choice
     const std::vector<Candidate> &candidates_;
     const std::string &drive_;
     std::vector<double> row_;
-    std::vector<int64_t> memory_;
-    vdna_trust *trust_ = nullptr;
+    TrustBlock block_;
 };
 
 // Judged frames from `begin` to before `end` that are good.

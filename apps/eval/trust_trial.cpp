@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <vdna/cpp/error.hpp>
+#include <vdna/cpp/trust.hpp>
 
 namespace vdna::eval
 {
@@ -13,37 +14,23 @@ namespace
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// A vdna_trust and its memory.
-class Trust
+TrustBlock trust_by(const record::TrustTables &tables, uint32_t localiser)
 {
-  public:
-    Trust(const record::TrustTables &tables, uint32_t localiser)
-    {
-        const vdna_trust_tables view = tables.view();
-        vdna_trust_config config;
-        vdna_trust_config_init(&config);
-        config.runs = static_cast<uint32_t>(tables.frames.size());
-        config.tables = &view;
-        config.localiser = localiser;
-        memory_.resize(vdna_trust_mem_size(&config) / sizeof(int64_t) + 1);
-        require(vdna_trust_init(&config, memory_.data(), memory_.size() * sizeof(int64_t), &trust_),
-                "tables of trust");
-    }
+    const vdna_trust_tables view = tables.view();
+    vdna_trust_config config = trust_defaults();
+    config.runs = static_cast<uint32_t>(tables.frames.size());
+    config.tables = &view;
+    config.localiser = localiser;
+    return {config, "tables of trust"};
+}
 
-    vdna_trust *get() { return trust_; }
-
-  private:
-    std::vector<int64_t> memory_; // int64_t for its alignment
-    vdna_trust *trust_ = nullptr;
-};
-
-Forecast forecast(Trust &trust, const std::vector<double> &bins, size_t runs)
+Forecast forecast(TrustBlock &trust, const std::vector<double> &bins, size_t runs)
 {
     Forecast found{std::vector<vdna_trust_prediction>(runs), std::vector<double>(runs), {}};
     require(vdna_trust_predict(trust.get(), bins.empty() ? nullptr : bins.data(),
                                found.predictions.data(), &found.answer),
             "prediction");
-    const double slope = vdna_trust_fitted(trust.get())->slope;
+    const double slope = trust.fit().slope;
     const double *intercept = vdna_trust_intercepts(trust.get());
     for (size_t b = 0; b < runs; b++)
         found.angle[b] =
@@ -101,9 +88,9 @@ LiveFrames frames_in(const LiveFrames &live, size_t runs_before, const std::vect
 Trial try_trust(const record::TrustTables &tables, uint32_t localiser, const LiveFrames &live)
 {
     const size_t runs = tables.frames.size();
-    Trust trust(tables, localiser);
+    TrustBlock trust = trust_by(tables, localiser);
     Trial trial;
-    trial.fit = *vdna_trust_fitted(trust.get());
+    trial.fit = trust.fit();
     for (size_t b = 0; b < runs; b++)
         trial.constant.push_back(mean_recall_in(tables, b));
     for (uint32_t i = 0; i < live.frames; i++) {

@@ -1,6 +1,7 @@
 // Results on standard output.
 #pragma once
 
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <string>
@@ -16,6 +17,12 @@ using Json = nlohmann::ordered_json;
 inline void print_json(const Json &json)
 {
     std::cout << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+}
+
+// null for NaN, which JSON does not have.
+inline Json known(double number)
+{
+    return std::isnan(number) ? Json() : Json(number);
 }
 
 // A number with `digits` digits after the point.

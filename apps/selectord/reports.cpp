@@ -11,6 +11,7 @@
 
 #include <unistd.h>
 
+#include <vdna/cpp/selector.hpp>
 #include <vdna/geodesy.h>
 #include <vdna/version.h>
 
@@ -58,8 +59,7 @@ RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone,
     message_.verdict = message_.previous = borrow("");
     message_.no_prediction = borrow("");
     message_.unlike = not_known;
-    const vdna_trust_fit &fit = trust.fit();
-    message_.skill = fit.labelled < VDNA_TRUST_SKILL_RUNS_MIN ? not_known : fit.skill;
+    message_.skill = trust.skill();
     message_.count = static_cast<int32_t>(experiences_.size());
     message_.experience = names_.data();
     message_.distance_bins = distances_.data();
@@ -97,23 +97,6 @@ int32_t RankingReport::settled_frames(const vdna_select &select) const
     return trust && is_early ? static_cast<int32_t>(trust->settled_frames) : 0;
 }
 
-namespace
-{
-
-const char *name_of_method(uint32_t method)
-{
-    return method == VDNA_SELECT_BY_TRANSFER   ? "transfer"
-           : method == VDNA_SELECT_BY_RELATIVE ? "relative"
-                                               : "emd";
-}
-
-const char *name_of_verdict(uint32_t verdict)
-{
-    return verdict == VDNA_TRUST_UNLIKE ? "unlike" : verdict == VDNA_TRUST_POOR ? "poor" : "";
-}
-
-} // namespace
-
 // The choice as a whole.
 void RankingReport::fill_trust(const vdna_select &select)
 {
@@ -124,7 +107,7 @@ void RankingReport::fill_trust(const vdna_select &select)
     message_.validity = fits ? VDNA_MSG_RANKING_T_VALID : VDNA_MSG_RANKING_T_NONE_FITS;
     message_.verdict = borrow(fits ? "" : name_of_verdict(trust.verdict));
     message_.unlike = trust.unlike;
-    message_.ranked_by = borrow(name_of_method(vdna_select_ranked_by(&select)));
+    message_.ranked_by = borrow(name_of_order(vdna_select_ranked_by(&select)));
     message_.settled_frames = settled_frames(select);
     message_.previous = borrow(is_switch_ ? experiences_[vdna_select_previous(&select)].name : "");
     message_.no_prediction =

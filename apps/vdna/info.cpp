@@ -171,7 +171,7 @@ program::Json trust_of(const std::string &map, const std::vector<Experience> &fi
         experiences.push_back(*file.get()); // borrowed
     const record::SelfKnowledge self = record::self_knowledge_of(map, experiences);
     program::Json json = {{"map", map}, {"trust", self.sentence}, {"labelled", self.labelled}};
-    json["skill"] = std::isnan(self.skill) ? program::Json() : program::Json(self.skill);
+    json["skill"] = program::known(self.skill);
     json["tolerance"] = self.tolerance ? program::Json(*self.tolerance) : program::Json();
     return json;
 }

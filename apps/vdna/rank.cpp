@@ -204,14 +204,13 @@ std::string sentence_of(const vdna_select &select, const Trust &trust,
     choice.previous = "";
     choice.count = static_cast<int>(candidates.size());
     choice.frames = static_cast<int>(vdna_select_window_frames(&select));
-    choice.verdict = text_of_verdict(answer.verdict);
+    choice.verdict = name_of_verdict(answer.verdict);
     choice.unlike = answer.unlike;
     choice.predicted_recall = prediction.recall;
     choice.predicted_low = prediction.low;
     choice.predicted_high = prediction.high;
     choice.no_prediction = trust.text_of(prediction.reason);
-    choice.skill =
-        trust.fit().labelled < VDNA_TRUST_SKILL_RUNS_MIN ? std::nan("") : trust.fit().skill;
+    choice.skill = trust.skill();
     return program::sentence_of(choice).data();
 }
 

@@ -61,26 +61,15 @@ std::vector<std::string> cells_of(const Ranking &ranking, const vdna_rank_entry 
     return cells;
 }
 
-const char *name_of_order(uint32_t ranked_by)
-{
-    return ranked_by == VDNA_SELECT_BY_TRANSFER ? "transfer" : "emd";
-}
-
-// null for NaN, which JSON does not have.
-program::Json known(double number)
-{
-    return std::isnan(number) ? program::Json() : program::Json(number);
-}
-
 void add_prediction(program::Json &json, const vdna_trust_prediction &prediction)
 {
-    json.update({{"predicted_recall", known(prediction.recall)},
-                 {"predicted_low", known(prediction.low)},
-                 {"predicted_high", known(prediction.high)},
+    json.update({{"predicted_recall", program::known(prediction.recall)},
+                 {"predicted_low", program::known(prediction.low)},
+                 {"predicted_high", program::known(prediction.high)},
                  {"no_prediction", vdna_trust_reason_text(prediction.reason)},
-                 {"transfer", known(prediction.transfer)},
-                 {"nearest", known(prediction.nearest)},
-                 {"score", known(prediction.score)}});
+                 {"transfer", program::known(prediction.transfer)},
+                 {"nearest", program::known(prediction.nearest)},
+                 {"score", program::known(prediction.score)}});
 }
 
 program::Json json_of(const Ranking &ranking, const vdna_rank_entry &entry)
@@ -98,27 +87,15 @@ program::Json json_of(const Ranking &ranking, const vdna_rank_entry &entry)
 
 void add_expectation(program::Json &json, const Expectation &expectation)
 {
-    json.update({{"verdict", text_of_verdict(expectation.answer.verdict)},
-                 {"unlike", known(expectation.answer.unlike)},
+    json.update({{"verdict", name_of_verdict(expectation.answer.verdict)},
+                 {"unlike", program::known(expectation.answer.unlike)},
                  {"settled_frames", expectation.answer.settled_frames},
                  {"labelled", expectation.fit.labelled},
-                 {"skill", known(expectation.fit.skill)},
+                 {"skill", program::known(expectation.fit.skill)},
                  {"sentence", expectation.sentence}});
 }
 
 } // namespace
-
-const char *text_of_verdict(uint32_t verdict)
-{
-    switch (verdict) {
-    case VDNA_TRUST_UNLIKE:
-        return "unlike";
-    case VDNA_TRUST_POOR:
-        return "poor";
-    default:
-        return "";
-    }
-}
 
 void report(const Ranking &ranking)
 {

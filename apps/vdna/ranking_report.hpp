@@ -38,9 +38,6 @@ struct Ranking {
     std::vector<std::vector<double>> tap_distances; // [candidates][taps], bins
 };
 
-// VDNA_TRUST_... as ranking_t has it.
-const char *text_of_verdict(uint32_t verdict);
-
 // On standard output.
 void report(const Ranking &ranking);
 void report_json(const Ranking &ranking);

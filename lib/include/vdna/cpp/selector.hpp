@@ -50,6 +50,14 @@ struct Trusting {
 /** Limits of a warmup by time, for those that people ask for. */
 constexpr double warmup_seconds_min = 0.001, warmup_seconds_max = 1e6;
 
+/** The word that ranking_t has for what orders a ranking, VDNA_SELECT_BY_... */
+inline const char *name_of_order(uint32_t ranked_by)
+{
+    return ranked_by == VDNA_SELECT_BY_TRANSFER   ? "transfer"
+           : ranked_by == VDNA_SELECT_BY_RELATIVE ? "relative"
+                                                  : "emd";
+}
+
 class Selector
 {
   public:

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -80,6 +81,38 @@ inline vdna_trust_config trust_defaults()
     return config;
 }
 
+/** The word that ranking_t has for a verdict, VDNA_TRUST_UNLIKE and others; "" if it fits. */
+inline const char *name_of_verdict(uint32_t verdict)
+{
+    return verdict == VDNA_TRUST_UNLIKE ? "unlike" : verdict == VDNA_TRUST_POOR ? "poor" : "";
+}
+
+/** A vdna_trust and its memory. */
+class TrustBlock
+{
+  public:
+    /** Throws Error for a setting beyond its range, or too many runs.
+     *  @param config  needed for this call only
+     *  @param where   for the error */
+    TrustBlock(const vdna_trust_config &config, const std::string &where)
+        : memory_(vdna_trust_mem_size(&config) / sizeof(int64_t) + 1)
+    {
+        require(vdna_trust_init(&config, memory_.data(), memory_.size() * sizeof(int64_t), &trust_),
+                where);
+    }
+    TrustBlock(const TrustBlock &) = delete;
+    TrustBlock &operator=(const TrustBlock &) = delete;
+
+    vdna_trust *get() { return trust_; }
+    const vdna_trust_fit &fit() const { return *vdna_trust_fitted(trust_); }
+    /** Bytes that it holds. */
+    size_t memory_size() const { return memory_.size() * sizeof memory_[0]; }
+
+  private:
+    std::vector<int64_t> memory_; // int64_t for its alignment
+    vdna_trust *trust_ = nullptr; // within the memory
+};
+
 /** Trust in the choice among the experiences of a map, and its memory. Without the map's own file,
  *  it predicts nothing and says why; everything else works. */
 class Trust
@@ -96,9 +129,7 @@ class Trust
         config.runs = static_cast<uint32_t>(experiences.size());
         config.tables = known ? &known->tables : nullptr;
         config.localiser = known ? known->localiser : trust_localiser_of(experiences.front());
-        memory_.resize(vdna_trust_mem_size(&config) / sizeof(int64_t) + 1);
-        require(vdna_trust_init(&config, memory_.data(), memory_.size() * sizeof(int64_t), &trust_),
-                directory + ": trust");
+        block_.emplace(config, directory + ": trust");
         for (const vdna_experience &experience : experiences)
             runs_.push_back(trust_run_of(experience));
         why_no_predictions_ = known ? why_not_by(known->tables) : why_no_tables_;
@@ -112,8 +143,15 @@ class Trust
     Trust(const Trust &) = delete;
     Trust &operator=(const Trust &) = delete;
 
-    vdna_trust *get() { return trust_; }
-    const vdna_trust_fit &fit() const { return *vdna_trust_fitted(trust_); }
+    vdna_trust *get() { return block_->get(); }
+    const vdna_trust_fit &fit() const { return block_->fit(); }
+
+    /** `skill` of the fit; NaN of fewer than VDNA_TRUST_SKILL_RUNS_MIN labelled runs, by which it
+     *  is not to be judged. */
+    double skill() const
+    {
+        return fit().labelled < VDNA_TRUST_SKILL_RUNS_MIN ? std::nan("") : fit().skill;
+    }
 
     /** Why the map knows nothing about itself, and what to do; "" if it does. */
     const std::string &why_no_tables() const { return why_no_tables_; }
@@ -132,10 +170,7 @@ class Trust
     }
 
     /** Bytes that it holds, but for the reasons. */
-    size_t memory_size() const
-    {
-        return memory_.size() * sizeof memory_[0] + runs_.size() * sizeof runs_[0];
-    }
+    size_t memory_size() const { return block_->memory_size() + runs_.size() * sizeof runs_[0]; }
 
     /** The experiences, by which live frames are compared with them: see vdna_trust_nearest(). */
     const std::vector<vdna_trust_run> &runs() const { return runs_; }
@@ -167,8 +202,7 @@ class Trust
     }
 
     std::string why_no_tables_, why_no_predictions_;
-    std::vector<int64_t> memory_;
-    vdna_trust *trust_ = nullptr; // within the memory
+    std::optional<TrustBlock> block_; // there once it is constructed
     std::vector<vdna_trust_run> runs_;
 };
 
