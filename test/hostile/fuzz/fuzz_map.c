@@ -108,14 +108,7 @@ static void read_and_use(const unsigned char *bytes, size_t size)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
-    unsigned char *copy = malloc(size);
-    if (!copy)
-        return 0;
-    memcpy(copy, bytes, size);
-    read_and_use(copy, size);
-    if (set_right_checksum(copy, size))
-        read_and_use(copy, size);
-    free(copy);
+    try_file(bytes, size, read_and_use);
     return 0;
 }
 

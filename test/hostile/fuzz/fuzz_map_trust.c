@@ -7,12 +7,6 @@
 #include "map_trust_file.h"
 #include "right_checksum.h"
 
-static void require(int condition)
-{
-    if (!condition)
-        abort();
-}
-
 /* Trust can be made of accepted tables, and says nothing without live frames; the sanitisers watch
  * the reads. */
 static void use_tables(const vdna_map_trust_file *file)
@@ -23,15 +17,15 @@ static void use_tables(const vdna_map_trust_file *file)
     config.tables = &file->tables;
     config.localiser = file->localiser;
     const size_t size = vdna_trust_mem_size(&config);
-    require(size > 0);
+    MUST(size > 0);
     void *mem = malloc(size);
     vdna_trust_prediction *predictions = calloc(file->members, sizeof *predictions);
     vdna_trust *trust = NULL;
     vdna_trust_answer answer;
     if (mem && predictions) {
-        require(vdna_trust_init(&config, mem, size, &trust) == VDNA_OK);
-        require(vdna_trust_predict(trust, NULL, predictions, &answer) == VDNA_OK);
-        require(predictions[0].reason != VDNA_TRUST_REASON_NONE);
+        MUST(vdna_trust_init(&config, mem, size, &trust) == VDNA_OK);
+        MUST(vdna_trust_predict(trust, NULL, predictions, &answer) == VDNA_OK);
+        MUST(predictions[0].reason != VDNA_TRUST_REASON_NONE);
     }
     free(predictions);
     free(mem);
@@ -41,10 +35,10 @@ static volatile uint32_t checksum_read;
 
 static void use_members(const vdna_map_trust_file *file)
 {
-    require(file->members >= 1 && file->members <= VDNA_TRUST_RUNS_MAX);
-    require(isfinite(*file->tolerance) && *file->tolerance >= 0);
+    MUST(file->members >= 1 && file->members <= VDNA_TRUST_RUNS_MAX);
+    MUST(isfinite(*file->tolerance) && *file->tolerance >= 0);
     for (uint32_t m = 0; m < file->members; m++) {
-        require(vdna_name_check(vdna_map_trust_name(file, m), NULL) == VDNA_OK);
+        MUST(vdna_name_check(vdna_map_trust_name(file, m), NULL) == VDNA_OK);
         checksum_read = file->checksums[m];
     }
 }
@@ -54,7 +48,7 @@ static void read_and_use(const unsigned char *bytes, size_t size)
     vdna_map_trust_file file;
     vdna_error reason = {""};
     if (vdna_map_trust_read(bytes, size, &reason, &file) != VDNA_OK) {
-        require(reason.text[0] != '\0');
+        MUST(reason.text[0] != '\0');
         return;
     }
     use_members(&file);
@@ -63,14 +57,7 @@ static void read_and_use(const unsigned char *bytes, size_t size)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
-    unsigned char *copy = malloc(size);
-    if (!copy)
-        return 0;
-    memcpy(copy, bytes, size);
-    read_and_use(copy, size);
-    if (set_right_checksum(copy, size))
-        read_and_use(copy, size);
-    free(copy);
+    try_file(bytes, size, read_and_use);
     return 0;
 }
 
@@ -85,8 +72,8 @@ static size_t write_seed(const directory *made, uint32_t runs, uint8_t *out, siz
         vdna_experience sample = sample_experience();
         const char *path = path_in(made, "seed" VDNA_MAP_EXTENSION);
         snprintf(sample.name, sizeof sample.name, "run%u", (unsigned)i);
-        require(vdna_experience_write(&sample, path, NULL) == VDNA_OK);
-        require(vdna_experience_open(path, NULL, &experiences[i]) == VDNA_OK);
+        MUST(vdna_experience_write(&sample, path, NULL) == VDNA_OK);
+        MUST(vdna_experience_open(path, NULL, &experiences[i]) == VDNA_OK);
     }
     for (uint32_t c = 0; c < 9; c++)
         for (uint32_t i = 0; i < VDNA_TRUST_WINDOWS; i++) {
@@ -96,7 +83,7 @@ static size_t write_seed(const directory *made, uint32_t runs, uint8_t *out, siz
         }
     const vdna_map_trust trust = {
         .tables = {frames, own_scale, correlation, cells}, .tolerance = 5, .runs = runs};
-    require(vdna_map_trust_write(made->path, experiences, &trust, NULL) == VDNA_OK);
+    MUST(vdna_map_trust_write(made->path, experiences, &trust, NULL) == VDNA_OK);
     for (uint32_t i = 0; i < runs; i++)
         vdna_experience_close(&experiences[i]);
     return load_file(path_in(made, VDNA_MAP_TRUST_FILE), out, capacity);

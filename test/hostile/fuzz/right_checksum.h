@@ -2,6 +2,7 @@
 #ifndef RIGHT_CHECKSUM_H
 #define RIGHT_CHECKSUM_H
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "tensors.h"
@@ -19,6 +20,20 @@ static inline int set_right_checksum(unsigned char *bytes, size_t size)
     const uint32_t checksum = vdna_tensors_checksum(bytes, size, crc);
     memcpy(bytes + crc->begin, &checksum, sizeof checksum);
     return 1;
+}
+
+/* Try an input as it is, and with the right checksum if it has one. */
+static inline void try_file(const unsigned char *input, size_t size,
+                            void (*read_and_use)(const unsigned char *bytes, size_t size))
+{
+    unsigned char *copy = malloc(size);
+    if (!copy)
+        return;
+    memcpy(copy, input, size);
+    read_and_use(copy, size);
+    if (set_right_checksum(copy, size))
+        read_and_use(copy, size);
+    free(copy);
 }
 
 #endif

@@ -105,17 +105,22 @@ static vdna_select *selector(vdna_trust *trust, uint32_t frames, uint32_t resele
     return select;
 }
 
-/* Of a robot that drives along the route again and again. */
-static vdna_select_answer drive(vdna_select *select, uint32_t time, uint32_t light)
+static vdna_select_answer feed(vdna_select *select, uint32_t time, float activation,
+                               const float *embedding)
 {
-    float embedding[DIM];
-    see(time % FRAMES, light, embedding);
-    const float activation = 0.5f; /* as by day */
     const vdna_activations tap = {&activation, 1, 1, 0};
     const vdna_select_frame frame = {time, &tap, 1, embedding};
     vdna_select_answer answer;
     OK(vdna_select_feed(select, &frame, &answer));
     return answer;
+}
+
+/* Of a robot that drives along the route again and again. */
+static vdna_select_answer drive(vdna_select *select, uint32_t time, uint32_t light)
+{
+    float embedding[DIM];
+    see(time % FRAMES, light, embedding);
+    return feed(select, time, 0.5f, embedding); /* as by day */
 }
 
 static void a_constant_drive_sees_no_switch(void **state)
@@ -192,11 +197,7 @@ static void frames_of_a_standing_robot_or_beyond_measure_say_nothing(void **stat
     for (; t < 100; t++) {
         for (uint32_t i = 0; i < DIM && (t == 60 || t > 80); i++)
             embedding[i] = 3e38f * noise(); /* whose squared distance is beyond a float */
-        const float activation = 0.5f;
-        const vdna_activations tap = {&activation, 1, 1, 0};
-        const vdna_select_frame frame = {t, &tap, 1, embedding};
-        vdna_select_answer answer;
-        OK(vdna_select_feed(select, &frame, &answer));
+        feed(select, t, 0.5f, embedding);
     }
     assert_int_equal(vdna_select_switches(select), 0);
 }
@@ -214,11 +215,7 @@ static uint32_t drive_into_the_night(vdna_select *select, uint32_t step)
     for (; t < 100 && vdna_select_switches(select) == 0; t++) {
         if (step > 0)
             see((20 + t * step) % FRAMES, NIGHT, picture);
-        const float activation = 0.5f;
-        const vdna_activations tap = {&activation, 1, 1, 0};
-        const vdna_select_frame frame = {60 + t, &tap, 1, picture};
-        vdna_select_answer answer;
-        OK(vdna_select_feed(select, &frame, &answer));
+        feed(select, 60 + t, 0.5f, picture);
     }
     return t;
 }
@@ -285,12 +282,7 @@ static vdna_select_answer drive_in_the_dark(vdna_select *select, uint32_t time)
     float embedding[DIM];
     for (uint32_t i = 0; i < DIM; i++)
         embedding[i] = 10 * noise();
-    const float activation = 3.5f;
-    const vdna_activations tap = {&activation, 1, 1, 0};
-    const vdna_select_frame frame = {time, &tap, 1, embedding};
-    vdna_select_answer answer;
-    OK(vdna_select_feed(select, &frame, &answer));
-    return answer;
+    return feed(select, time, 3.5f, embedding);
 }
 
 static void while_none_fits_all_localisers_follow_so_the_next_choice_knows_the_place(void **state)
