@@ -249,15 +249,19 @@ static void a_read_among_updates_and_crashes_is_a_version_that_was_there_meanwhi
     assert_true(skipped > 25);
 }
 
-/* Update in a loop until the other end of a pipe is closed. */
+/* Update in a loop until the other end of a pipe is closed, with rests in which a slow reader comes
+ * to its end: without one a map would always change while it is read. */
 static void update_for_ever(const char *path, int stop)
 {
+    const struct timespec rest = {.tv_nsec = 2000000};
     char byte;
     changes_left = -1;
     watch = crash_before_a_change;
-    for (float version = 2; read(stop, &byte, 1) != 0; version++)
+    for (float version = 2; read(stop, &byte, 1) != 0; version++) {
         if (update_all(path, version, NULL) != VDNA_OK)
             _exit(1);
+        nanosleep(&rest, NULL);
+    }
     _exit(0);
 }
 
