@@ -124,7 +124,8 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop,
     manager.stopping();
 }
 
-// Once a second: say what is wrong, listen around if that helps, and publish the status.
+// Once a second: say what is wrong, listen around if that helps, publish the status and repeat the
+// choice.
 void Daemon::beat(vdna_transport *transport, const ServiceManager &manager)
 {
     verdict_ = waiting_.judge(facts(transport));
@@ -133,6 +134,7 @@ void Daemon::beat(vdna_transport *transport, const ServiceManager &manager)
     overhear(transport);
     map_is_changed_ = session_->is_directory_changed();
     publish_status(transport);
+    repeat_choice(transport);
     if (network_makes_progress()) // as do the loop, and the transport that it has polled
         manager.alive();
 }
@@ -475,11 +477,25 @@ void Daemon::publish_status(vdna_transport *transport)
     publish(transport, config_.status_channel, vdna_message_status, &message);
 }
 
+// For those who listen later. Nothing of it goes into the file of answers, which has the choice.
+void Daemon::repeat_choice(vdna_transport *transport)
+{
+    if (vdna_select_state(session_->select()) == VDNA_SELECT_WARMUP || session_->fault()[0] != '\0')
+        return;
+    send(transport, config_.ranking_channel, vdna_message_ranking, &session_->ranking().repeat());
+}
+
 void Daemon::publish(vdna_transport *transport, const std::string &channel,
                      const vdna_message_type &type, const void *message)
 {
     if (answers_)
         keep(channel, type, message);
+    send(transport, channel, type, message);
+}
+
+void Daemon::send(vdna_transport *transport, const std::string &channel,
+                  const vdna_message_type &type, const void *message)
+{
     if (is_replay_)
         return;
     const vdna_status sent = vdna_transport_publish(transport, channel.c_str(), &type, message);

@@ -92,8 +92,12 @@ class Daemon
     Resident resident() const;
     const char *problem() const;
     void publish_status(vdna_transport *transport);
+    void repeat_choice(vdna_transport *transport);
+    // Write to the file of answers, and send.
     void publish(vdna_transport *transport, const std::string &channel,
                  const vdna_message_type &type, const void *message);
+    void send(vdna_transport *transport, const std::string &channel, const vdna_message_type &type,
+              const void *message);
     void keep(const std::string &channel, const vdna_message_type &type, const void *message);
 
     const Config &config_;

@@ -130,6 +130,7 @@ void RankingReport::fill_entry(const vdna_select &select, size_t at, const vdna_
 const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select, bool is_switch)
 {
     is_switch_ = is_switch;
+    message_.repeated = 0;
     message_.utime = vdna_select_last_utime(&select);
     message_.window_begin_utime = vdna_select_first_utime(&select);
     message_.window_frames = static_cast<int32_t>(vdna_select_window_frames(&select));
@@ -142,6 +143,12 @@ const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select, bool is
         program::sentence_of({names_[0], message_.previous, message_.count, message_.window_frames,
                               warmup_frames_, message_.verdict, message_.unlike, recalls_[0],
                               lows_[0], highs_[0], message_.no_prediction, message_.skill});
+    return message_;
+}
+
+const vdna_msg_ranking_t &RankingReport::repeat()
+{
+    message_.repeated = 1;
     return message_;
 }
 

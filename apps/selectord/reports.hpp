@@ -46,6 +46,8 @@ class RankingReport
     // Valid until the next call; `select` has a choice.
     // is_switch: that replaces another while driving; otherwise a warmup brought it
     const vdna_msg_ranking_t &fill(const vdna_select &select, bool is_switch);
+    // The newest of them for those who listen later; `select` still has that choice.
+    const vdna_msg_ranking_t &repeat();
 
     // The newest of them in a sentence; "" before the first.
     const char *sentence() const { return sentence_.data(); }

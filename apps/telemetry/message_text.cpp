@@ -243,6 +243,7 @@ nlohmann::ordered_json json_of(const vdna_msg_ranking_t &message)
             {"window_begin_utime", message.window_begin_utime},
             {"window_frames", message.window_frames},
             {"validity", validity_of(message)},
+            {"repeated", message.repeated != 0},
             {"backbone", message.backbone},
             {"comparable", message.comparable},
             {"map_hash", message.map_hash},

@@ -23,6 +23,7 @@ static const vdna_msg_ranking_t sample_ranking = {
     .window_begin_utime = 1700000000000001,
     .window_frames = 42,
     .validity = VDNA_MSG_RANKING_T_VALID,
+    .repeated = 1,
     .backbone = "lite0",
     .comparable = "ab12",
     .map_hash = "0123456789abcdef",

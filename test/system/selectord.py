@@ -136,6 +136,11 @@ class Selectord:
         return code, time.monotonic() - begin
 
 
+def kind_of(message):
+    """The type of a message; a ranking that only repeats the choice is no "ranking"."""
+    return "repeated ranking" if message.get("repeated") else message["type"]
+
+
 class Watch:
     """`vdna watch --json`; the constructor returns once it listens."""
 
@@ -160,12 +165,12 @@ class Watch:
         self._errors.rest()
 
     def wait_for(self, kind, accept=lambda message: True, seconds=PATIENCE):
-        """The next message of this type that `accept` accepts. All others are kept."""
+        """The next message of this kind that `accept` accepts. All others are kept."""
         deadline = time.monotonic() + seconds
         while (line := self._lines.next(deadline)) is not None:
             message = json.loads(line)
             self.messages.append(message)
-            if message["type"] == kind and accept(message):
+            if kind_of(message) == kind and accept(message):
                 return message
         raise AssertionError(f"no such {kind} within {seconds} s; the last messages were "
                              f"{self.messages[-3:]}")
@@ -177,8 +182,8 @@ class Watch:
             self.messages.append(json.loads(line))
 
     def of(self, kind):
-        """The messages of one type received so far."""
-        return [message for message in self.messages if message["type"] == kind]
+        """The messages of one kind received so far."""
+        return [message for message in self.messages if kind_of(message) == kind]
 
 
 class Listener:

@@ -186,6 +186,10 @@ void a_ranking_says_by_what_it_ranks_and_what_to_expect(void **)
     assert_true(ranking.text().find("; no prediction: why\n") != std::string::npos);
     std::strcpy(ranking->previous, "snow");
     assert_true(ranking.text().find(" in place of snow, ") != std::string::npos);
+    ranking->repeated = 0;
+    assert_true(ranking.json()["repeated"] == false);
+    ranking->repeated = 1;
+    assert_true(ranking.json()["repeated"] == true);
 }
 
 void a_ranking_says_what_does_not_fit_and_what_would_help(void **)

@@ -11,7 +11,7 @@
 #include "message_sample.h"
 
 // Bytes of the members in front of the first length, by the .lcm files.
-#define RANKING_BACKBONE_AT (8 + 8 + 8 + 4 + 4)
+#define RANKING_BACKBONE_AT (8 + 8 + 8 + 4 + 4 + 1)
 #define RANKING_RANKED_BY_AT (RANKING_BACKBONE_AT + (4 + 6) + (4 + 5) + (4 + 17) + 8)
 #define RANKING_SKILL_AT (RANKING_RANKED_BY_AT + (4 + 9) + (4 + 5) + 8 + (4 + 1))
 #define RANKING_COUNT_AT (RANKING_SKILL_AT + 8 + 4 + (4 + 5))
