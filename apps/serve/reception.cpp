@@ -1,7 +1,11 @@
 #include "serve/reception.hpp"
 
+#include <vdna_messages.h>
+
 #include "program/clock.hpp"
 #include "telemetry/headline.hpp"
+#include "telemetry/network_url.hpp"
+#include "telemetry/problems.hpp"
 
 namespace vdna::serve
 {
@@ -67,7 +71,8 @@ void require_network(vdna_status status)
 } // namespace
 
 Reception::Reception(const Channels &channels, LiveState &state)
-    : state_(state), camera_(open_camera(channels)), listener_(open_listener(channels))
+    : state_(state), camera_(open_camera(channels)), listener_(open_listener(channels)),
+      url_(telemetry::network_url(channels.url)), newest_(program::monotonic_us())
 {
 }
 
@@ -78,55 +83,34 @@ void Reception::put(const char *kind, const Json &json)
 
 void Reception::put_headline()
 {
-    const telemetry::Headline line =
-        telemetry::headline(status_, ranking_, seconds_since(status_us_));
+    const telemetry::Headline line = telemetry::headline(
+        newest_.status(), newest_.ranking(), newest_.silent_s(program::monotonic_us()), url_);
     put("headline", {{"tone", line.tone}, {"text", line.text}});
-}
-
-// A restarted daemon that warms up has no ranking and no place yet: those of its predecessor go.
-void Reception::note_restart()
-{
-    if (status_["state"] != "WARMUP")
-        return;
-    for (Json *const old : {&ranking_, &localisation_})
-        *old = nullptr;
-    put("ranking", ranking_);
-    put("localisation", localisation_);
-}
-
-// Of several daemons the page shows the one that answers.
-bool Reception::stands_by_another(const Json &status) const
-{
-    return status["state"] == "STANDBY" && status_.is_object() && status_["state"] != "STANDBY" &&
-           status_["instance"] != status["instance"] &&
-           seconds_since(status_us_) < telemetry::silence_max_s;
 }
 
 void Reception::take(const vdna_listener_message &message)
 {
     if (message.rejected)
-        rejected_ = std::string(message.channel) + ": " + message.rejected;
+        newest_.note_rejected(message.channel, message.rejected);
     if (!message.data)
         return;
+    const bool had_choice = !newest_.ranking().is_null() || !newest_.localisation().is_null();
     const telemetry::View &view = telemetry::view_of(*message.type);
-    const std::string kind = view.name;
-    Json json = view.json(message.data);
-    if (kind == "status" && stands_by_another(json))
+    if (!newest_.take(view.name, view.json(message.data), program::monotonic_us()))
         return;
-    Json &newest = kind == "ranking" ? ranking_ : kind == "localisation" ? localisation_ : status_;
-    const bool restarted =
-        newest.is_object() && newest.value("instance", Json()) != json.value("instance", Json());
-    newest = std::move(json);
-    put(view.name, newest);
-    if (kind == "localisation") {
-        answer_ = localisation_;
+    if (message.type == &vdna_message_localisation) {
+        answer_ = newest_.localisation();
+        put("localisation", answer_);
         return;
     }
-    if (kind == "status") {
-        status_us_ = program::monotonic_us();
-        if (restarted)
-            note_restart();
+    if (message.type == &vdna_message_status) {
+        put("status", newest_.status());
+        put("problems", telemetry::problems_of(newest_.status()));
     }
+    if (had_choice || !newest_.ranking().is_null()) // a status may end what was said before
+        put("ranking", newest_.ranking());
+    if (had_choice)
+        put("localisation", newest_.localisation());
     put_headline();
 }
 
@@ -158,12 +142,12 @@ void Reception::each_second(size_t viewers)
     if (counts_.size() > rate_seconds + 1)
         counts_.pop_front();
     put("pulse", {{"utime", program::wall_us()},
-                  {"status_age_s", age(status_us_)},
+                  {"status_age_s", age(newest_.status_us())},
                   {"camera_age_s", age(frame_us_)},
                   {"camera_hz", camera_hz()},
                   {"camera_oversized", counted->oversized},
                   {"camera_rejected", counted->camera_rejected},
-                  {"left_out", rejected_},
+                  {"left_out", newest_.rejected()},
                   {"viewers", viewers}});
     Json point{{"utime", program::wall_us()}};
     for (const char *const name : {"validity", "experience", "confidence", "frame"})

@@ -11,6 +11,7 @@
 #include "serve/camera_jpeg.hpp"
 #include "serve/live_state.hpp"
 #include "telemetry/message_text.hpp"
+#include "telemetry/newest.hpp"
 
 namespace vdna::serve
 {
@@ -39,8 +40,6 @@ class Reception
 
     void take(const vdna_listener_message &message);
     void take(const vdna_transport_frame &frame);
-    bool stands_by_another(const Json &status) const;
-    void note_restart();
     void put(const char *kind, const Json &json);
     void put_headline();
     void each_second(size_t viewers);
@@ -51,12 +50,12 @@ class Reception
     std::unique_ptr<vdna_listener, CloseListener> listener_;
     CameraJpeg jpeg_;
 
-    Json ranking_, localisation_, status_; // newest; null = none
-    Json answer_;                          // newest localisation of this second; null = none
-    std::string rejected_;                 // the newest message that was left out, and why
-    int64_t status_us_ = 0, frame_us_ = 0; // when the newest came, monotonic; 0 = none
-    int64_t picture_us_ = 0;               // when the newest picture was made
-    int64_t second_us_ = 0;                // when each_second() ran
+    const std::string url_; // of the network
+    telemetry::Newest newest_;
+    Json answer_;            // newest localisation of this second; null = none
+    int64_t frame_us_ = 0;   // when the newest came, monotonic; 0 = none
+    int64_t picture_us_ = 0; // when the newest picture was made
+    int64_t second_us_ = 0;  // when each_second() ran
     struct Count {
         int64_t us;
         uint64_t frames;

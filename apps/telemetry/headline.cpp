@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "program/print.hpp"
+#include "telemetry/members.hpp"
 
 namespace vdna::telemetry
 {
@@ -12,17 +13,6 @@ namespace
 
 using Json = nlohmann::ordered_json;
 using program::fixed;
-
-std::string text_of(const Json &json, const char *name)
-{
-    return json.contains(name) && json[name].is_string() ? json[name].get<std::string>() : "";
-}
-
-// NaN where the member is missing, null, or no number.
-double number_of(const Json &json, const char *name)
-{
-    return json.contains(name) && json[name].is_number() ? json[name].get<double>() : NAN;
-}
 
 std::string percent(double share)
 {
@@ -75,13 +65,13 @@ std::string with_reason(const std::string &clause, const Json &status)
 
 } // namespace
 
-Headline headline(const Json &status, const Json &ranking, double silent_s)
+Headline headline(const Json &status, const Json &ranking, double silent_s, const std::string &url)
 {
     if (!status.is_object())
-        return {"wait",
-                "Nothing heard from vdna_selectord yet: is it running, on this LCM network?"};
+        return {"wait", "No daemon heard on " + url + " for " + fixed(silent_s, 0) +
+                            " s: is vdna_selectord running, on this LCM network?"};
     if (silent_s > silence_max_s)
-        return {"bad", "Nothing heard from vdna_selectord for " + fixed(silent_s, 0) +
+        return {"bad", "No daemon heard on " + url + " for " + fixed(silent_s, 0) +
                            " s: it has ended, or the network is gone."};
     const std::string state = text_of(status, "state"), choice = text_of(status, "experience");
     if (state == "WARMUP")

@@ -14,9 +14,10 @@ struct Headline {
 };
 
 // status, ranking: the newest messages as View::json gives them, null if none has come; members
-// that an older daemon does not send may be missing. silent_s: since the status came
+// that an older daemon does not send may be missing. silent_s: since the status came, or since the
+// program listens. url: of the network
 Headline headline(const nlohmann::ordered_json &status, const nlohmann::ordered_json &ranking,
-                  double silent_s);
+                  double silent_s, const std::string &url);
 
 // No status for longer means that the daemon or the network is gone.
 constexpr double silence_max_s = 3;

@@ -15,6 +15,7 @@
 #include <vdna/transport.h>
 
 #include "program/choice_sentence.hpp"
+#include "telemetry/members.hpp"
 
 namespace vdna::telemetry
 {
@@ -126,12 +127,11 @@ nlohmann::ordered_json json_of(const vdna_msg_duration_t &duration)
 }
 
 // A position with its unit: enough digits for a centimetre.
-std::string position_text(const vdna_msg_localisation_t &message)
+std::string position_text(const char *frame, const double *at)
 {
-    const double *const at = message.position;
-    if (std::string_view(message.position_frame) == "wgs84")
+    if (std::string_view(frame) == "wgs84")
         return format("%.7f %.7f, height %.2f m", at[0], at[1], at[2]);
-    return format("%.2f %.2f %.2f m in %s", at[0], at[1], at[2], message.position_frame);
+    return format("%.2f %.2f %.2f m in %s", at[0], at[1], at[2], frame);
 }
 
 // ", predicted recall 0.75 (0.62 to 0.84)"; "" if it is not predicted.
@@ -188,7 +188,7 @@ std::string text_of(const vdna_msg_localisation_t &message)
         if (message.has_place)
             text += format(", place %lld", static_cast<long long>(message.place));
         if (message.has_position)
-            text += ", position " + position_text(message);
+            text += ", position " + position_text(message.position_frame, message.position);
     }
     if (message.reason[0])
         text += format(": %s", message.reason);
@@ -361,6 +361,16 @@ View view(const vdna_message_type &type, const char *name, const char *channel)
 }
 
 } // namespace
+
+std::string position_of(const nlohmann::ordered_json &localisation)
+{
+    if (localisation.contains("position") && localisation["position"].is_array()) {
+        const auto at = localisation["position"].get<std::array<double, 3>>();
+        return position_text(text_of(localisation, "position_frame").c_str(), at.data());
+    }
+    const double place = number_of(localisation, "place");
+    return std::isnan(place) ? "" : format("place %.0f", place);
+}
 
 const std::vector<View> &views()
 {

@@ -22,6 +22,11 @@ struct View {
     nlohmann::ordered_json (*json)(const void *message);
 };
 
+// The position of an answer with its unit, of a localisation as View::json gives it, or else its
+// place;
+// "" if it has neither.
+std::string position_of(const nlohmann::ordered_json &localisation);
+
 // All messages of vdna_selectord.
 const std::vector<View> &views();
 

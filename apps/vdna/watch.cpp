@@ -1,26 +1,35 @@
-// vdna watch - shows the messages of a running vdna_selectord, to people and programs.
+// vdna watch - shows a running vdna_selectord: to people on a screen or in lines, to programs as
+// JSON.
 #include <cctype>
-#include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include <unistd.h>
 #include <vdna_messages.h>
 #include <vdna_msg_localisation_t.h>
+#include <vdna_msg_ranking_t.h>
 
 #include <vdna/cpp/error.hpp>
 #include <vdna/listener.h>
 #include <vdna/transport.h>
 
+#include "program/clock.hpp"
 #include "program/decimal.hpp"
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
 #include "telemetry/message_text.hpp"
+#include "telemetry/network_url.hpp"
+#include "telemetry/newest.hpp"
 #include "vdna/commands.hpp"
+#include "watch/display_text.hpp"
+#include "watch/screen.hpp"
+#include "watch/terminal.hpp"
 
 namespace vdna::tool
 {
@@ -30,6 +39,7 @@ namespace
 
 struct WatchOptions {
     std::string url;
+    bool log = false;
     bool json = false;
     bool summary = false;
     double seconds = 0;                // 0 = forever
@@ -62,25 +72,36 @@ Goal parse_goal(const std::string &until)
     return {0, count};
 }
 
+// A text of several lines without anything that would control a terminal.
+std::string lines_of(const std::string &text)
+{
+    std::string lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);)
+        lines += watch::printable(line) + "\n";
+    return lines;
+}
+
 // Prints messages as they arrive, and counts them.
 class Printer
 {
   public:
-    explicit Printer(const WatchOptions &options)
-        : json_(options.json), summary_(options.summary), updates_(isatty(STDOUT_FILENO) != 0)
+    explicit Printer(const WatchOptions &options) : json_(options.json), summary_(options.summary)
     {
     }
-    ~Printer() { end_update(); }
 
-    void take(const telemetry::View &view, const char *channel, const void *message)
+    void take(const vdna_listener_message &message)
     {
-        const bool is_ranking = view.type == &vdna_message_ranking;
-        const bool is_localisation = view.type == &vdna_message_localisation;
-        rankings_ += is_ranking;
-        if (is_localisation)
-            count(*static_cast<const vdna_msg_localisation_t *>(message));
-        if (is_ranking || !summary_)
-            print(view, channel, message, is_localisation && updates_);
+        const telemetry::View &view = telemetry::view_of(*message.type);
+        const bool is_ranking = message.type == &vdna_message_ranking;
+        const bool is_known =
+            is_ranking && is_known_choice(*static_cast<const vdna_msg_ranking_t *>(message.data));
+        if (message.type == &vdna_message_localisation)
+            count(*static_cast<const vdna_msg_localisation_t *>(message.data));
+        if (json_)
+            std::cout << telemetry::json_line(view, message.channel, message.data) << std::endl;
+        else if (is_ranking ? !is_known : !summary_)
+            std::cout << lines_of(view.text(message.data)) << std::flush;
     }
 
     bool reached(const Goal &goal) const
@@ -99,6 +120,13 @@ class Printer
     }
 
   private:
+    // Whether it repeats a choice that we have seen. Only new choices count.
+    bool is_known_choice(const vdna_msg_ranking_t &ranking)
+    {
+        rankings_ += ranking.repeated == 0;
+        return std::exchange(has_ranking_, true) && ranking.repeated != 0;
+    }
+
     void count(const vdna_msg_localisation_t &message)
     {
         localisations_++;
@@ -108,32 +136,7 @@ class Printer
         latency_us_ += static_cast<double>(message.latency_us);
     }
 
-    // as_update: the next line overwrites this one.
-    void print(const telemetry::View &view, const char *channel, const void *message,
-               bool as_update)
-    {
-        if (json_) {
-            std::cout << telemetry::json_line(view, channel, message) << std::endl;
-            return;
-        }
-        if (as_update) {
-            std::cout << "\r\033[K" << view.text(message) << std::flush;
-            open_update_ = true;
-            return;
-        }
-        end_update();
-        std::cout << view.text(message) << std::endl;
-    }
-
-    void end_update()
-    {
-        if (open_update_)
-            std::cout << std::endl;
-        open_update_ = false;
-    }
-
-    bool json_, summary_, updates_;
-    bool open_update_ = false;
+    bool json_, summary_, has_ranking_ = false;
     unsigned long long rankings_ = 0, localisations_ = 0, valid_ = 0, unsure_ = 0, refused_ = 0;
     double latency_us_ = 0; // sum
 };
@@ -162,44 +165,52 @@ Listener listen(const WatchOptions &options)
     return Listener(listener);
 }
 
-// Handle the next message, if one arrives within a moment; false at the end of a log.
-bool handle_one(vdna_listener *listener, const WatchOptions &options, Printer &printer)
+// Wait a moment for the next message, whose type is NULL if none comes; false at the end of a log.
+bool poll(vdna_listener *listener, const WatchOptions &options, vdna_listener_message &out_message)
 {
     constexpr int32_t moment_ms = 100;
-    vdna_listener_message message;
-    const vdna_status status = vdna_listener_poll(listener, moment_ms, &message);
-    if (status != VDNA_OK) {
-        if (status == VDNA_ERR_FORMAT)
-            throw Error("parts of the log are damaged and were passed over");
-        if (vdna_transport_is_log(options.url.c_str()))
-            return false;
-        throw Error("the LCM connection is gone; see to the network and start again");
-    }
-    if (message.rejected)
-        std::cerr << "vdna watch: " << message.channel << ": " << message.rejected << ", "
-                  << message.size << " bytes; left out\n";
-    for (const telemetry::View &view : telemetry::views())
-        if (message.data && message.type == view.type)
-            printer.take(view, message.channel, message.data);
-    return true;
+    const vdna_status status = vdna_listener_poll(listener, moment_ms, &out_message);
+    if (status == VDNA_OK)
+        return true;
+    if (status == VDNA_ERR_FORMAT)
+        throw Error("parts of the log are damaged and were passed over");
+    if (vdna_transport_is_log(options.url.c_str()))
+        return false;
+    throw Error("the LCM connection is gone; see to the network and start again");
 }
 
-void watch(const WatchOptions &options)
+// Whether the time of --for is over, or somebody wants us to end.
+class End
+{
+  public:
+    explicit End(const WatchOptions &options)
+        : at_us_(options.seconds > 0
+                     ? program::monotonic_us() + static_cast<int64_t>(1e6 * options.seconds)
+                     : INT64_MAX)
+    {
+    }
+    bool has_come() const { return program::interrupted() || program::monotonic_us() >= at_us_; }
+
+  private:
+    const int64_t at_us_;
+};
+
+void print_lines(const WatchOptions &options)
 {
     const Goal goal = parse_goal(options.until);
     Printer printer(options);
     const Listener listener = listen(options);
     std::cerr << "vdna watch: listening" << std::endl;
 
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point begin = Clock::now();
-    const auto is_over = [&] {
-        return options.seconds > 0 &&
-               Clock::now() - begin >= std::chrono::duration<double>(options.seconds);
-    };
-    bool more = true;
-    while (more && !printer.reached(goal) && !is_over() && !program::interrupted())
-        more = handle_one(listener.get(), options, printer);
+    const End end(options);
+    vdna_listener_message message;
+    while (!printer.reached(goal) && !end.has_come() && poll(listener.get(), options, message)) {
+        if (message.rejected)
+            std::cerr << "vdna watch: " << message.channel << ": " << message.rejected << ", "
+                      << message.size << " bytes; left out\n";
+        if (message.data)
+            printer.take(message);
+    }
 
     if (options.summary)
         printer.print_summary();
@@ -209,17 +220,67 @@ void watch(const WatchOptions &options)
                     "running, and are frames coming in?");
 }
 
+void take(const vdna_listener_message &message, int64_t now_us, telemetry::Newest &newest)
+{
+    if (message.rejected)
+        newest.note_rejected(message.channel, message.rejected);
+    if (!message.data)
+        return;
+    const telemetry::View &view = telemetry::view_of(*message.type);
+    newest.take(view.name, view.json(message.data), now_us);
+}
+
+void show_screen(const WatchOptions &options)
+{
+    constexpr int64_t draw_every_us = 200000;
+    const std::string url = telemetry::network_url(options.url);
+    const Listener listener = listen(options);
+    telemetry::Newest newest(program::monotonic_us());
+    watch::Terminal terminal;
+
+    const End end(options);
+    int64_t drawn_us = 0;
+    vdna_listener_message message;
+    while (!end.has_come() && !terminal.is_left() && poll(listener.get(), options, message)) {
+        const int64_t now_us = program::monotonic_us();
+        take(message, now_us, newest);
+        if (now_us - drawn_us < draw_every_us)
+            continue;
+        terminal.show(watch::screen(newest, url, now_us, terminal.size()));
+        drawn_us = now_us;
+    }
+}
+
+// A log ends, and who waits for something or wants a summary reads on: these get lines.
+bool wants_screen(const WatchOptions &options)
+{
+    const bool wants_lines =
+        options.log || options.json || options.summary || !options.until.empty();
+    return !wants_lines && watch::has_terminal() && !vdna_transport_is_log(options.url.c_str());
+}
+
+void run(const WatchOptions &options)
+{
+    if (wants_screen(options))
+        show_screen(options);
+    else
+        print_lines(options);
+}
+
 } // namespace
 
 void add_watch(CLI::App &app)
 {
     CLI::App *command =
-        app.add_subcommand("watch", "Show the messages of a running vdna_selectord");
+        app.add_subcommand("watch", "Show a running vdna_selectord: a live screen on a terminal, "
+                                    "which q ends, otherwise its messages as lines");
     const auto options = std::make_shared<WatchOptions>();
     command
         ->add_option("-l,--lcm-url", options->url,
                      "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
         ->type_name("URL");
+    command->add_flag("--log", options->log,
+                      "print messages as lines, even on a terminal, which otherwise gets a screen");
     CLI::Option *json = command->add_flag("--json", options->json, "one JSON object per message");
     command
         ->add_flag("--summary", options->summary,
@@ -239,7 +300,7 @@ void add_watch(CLI::App &app)
             ->add_option(std::string("--") + telemetry::views()[i].name, options->channels[i],
                          "channel")
             ->capture_default_str();
-    command->callback([options] { watch(*options); });
+    command->callback([options] { run(*options); });
 }
 
 } // namespace vdna::tool

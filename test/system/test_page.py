@@ -128,7 +128,8 @@ class Page(unittest.TestCase):
             self.open()
             self.browser.value(f"take('ranking', {PREDICTED})")
             self.browser.value("take('status', {state: 'NONE_FITS', experience: 'winter', experiences: 3, "
-                               "map_hash: '', reason: 'nothing like it', left_out: 1, mood: 'sad'})")
+                               "map_hash: '', reason: 'nothing like it', mood: 'sad'})")
+            self.browser.value("take('problems', ['Damaged experiences left out: 1'])")
             self.browser.value("take('headline', {tone: 'doubt', text: 'No experience fits, winter is the least bad.'})")
             self.browser.wait_for("ranking.rows.length === 3")
             first, second, third = self.browser.value("[...ranking.rows].map(row => row.innerText)")
@@ -170,7 +171,7 @@ class Page(unittest.TestCase):
         with Selectord(*OPTIONS), Play(LIVE, 10):
             self.browser.wait_for(text_of("state") + " === 'VALID'")
         self.browser.wait_for(text_of("state") + " === 'SILENT'")
-        self.assertIn("Nothing heard", self.browser.value(text_of("sentence")))
+        self.assertIn("No daemon heard", self.browser.value(text_of("sentence")))
         self.shoot("1280-silent")
         with Selectord(*OPTIONS), Play(LIVE, 10):
             self.browser.wait_for("state.ranking === null")

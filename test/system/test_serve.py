@@ -29,7 +29,7 @@ class TheServer(unittest.TestCase):
     def test_starts_without_a_daemon_and_ends_at_once(self):
         with Serve() as serve:
             viewer = Viewer(serve)
-            self.assertIn("Nothing heard", viewer.wait_for("headline")["text"])
+            self.assertIn("No daemon heard", viewer.wait_for("headline")["text"])
             self.assertIsNone(viewer.wait_for("pulse")["camera_age_s"])
             self.assertEqual(viewer.wait_for("commands")[0]["name"], "reset")
             code, seconds = serve.stop()
@@ -99,7 +99,7 @@ class ADaemon(unittest.TestCase):
                 self.assertGreater(point["confidence"], 0)
                 self.assertEqual(serve.press("reset"), 204)
                 viewer.wait_for("ranking", lambda newer: newer["utime"] > ranking["utime"])
-            viewer.wait_for("headline", lambda line: line["tone"] == "bad" and "Nothing heard" in line["text"])
+            viewer.wait_for("headline", lambda line: line["tone"] == "bad" and "No daemon heard" in line["text"])
             late = Viewer(serve)
             self.assertEqual(late.wait_for("ranking")["ranking"][0]["experience"], "winter")
             with Selectord("--map", MAP, "--warmup-frames", 12):

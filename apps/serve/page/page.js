@@ -202,29 +202,15 @@ function show_strip() {
 
 // --- the daemon's health
 
-const losses = { // counters of the status that tell of problems where they are not 0
-  left_out: "Damaged experiences left out", refused: "Frames that could not be used",
-  skipped: "Frames skipped for newer ones", oversized: "Frames too large", late: "Frames too old",
-  rejected: "Messages that break their format", lost: "Camera messages that never came",
-  incomplete: "Messages with missing parts", dropped_datagrams: "Datagrams dropped by the system",
-  malformed_datagrams: "Datagrams malformed", foreign_datagrams: "Datagrams from elsewhere",
-  corrupted_frames: "Frames corrupted", reordered_frames: "Frames overtaken",
-  lost_frames: "Protected frames lost", restarts: "Warmups begun anew as time ran backwards",
-};
-
-function problems_of({status, pulse, picture, headline}) {
+function problems_of({status, problems, pulse, picture, headline}) {
   const found = [];
   const add = (sentence, style = "") => sentence && found.push(make("li", style, sentence));
   if (pulse?.camera_age_s === null || pulse?.camera_age_s > 3)
     add(pulse.camera_age_s === null ? "No camera heard on its channel."
       : `No camera frame for ${fixed(pulse.camera_age_s, 0)} s.`, "bad");
   add(status?.reason, headline?.tone === "bad" ? "bad" : "");
-  add(status?.message);
-  if (status?.map_changed)
-    add("The map's directory has changed since it was opened.");
-  for (const [name, meaning] of Object.entries(losses))
-    if (status?.[name] > 0)
-      add(`${meaning}: ${status[name]}`);
+  for (const problem of problems ?? [])
+    add(problem);
   add(picture?.problem && `The page cannot show a picture: ${picture.problem}`);
   add(pulse?.left_out && `A message was left out: ${pulse.left_out}`);
   if (pulse?.camera_oversized > 0)
@@ -298,7 +284,7 @@ function show_commands() {
 
 const parts = [[show_headline, "headline", "status", "pulse"], [show_live, "picture", "pulse"],
                [show_match, "localisation"], [show_ranking, "ranking", "status"], [show_strip, "point"],
-               [show_health, "status", "pulse", "picture"], [show_commands, "commands"],
+               [show_health, "status", "problems", "pulse", "picture"], [show_commands, "commands"],
                [show_raw, "status", "localisation", "ranking"]];
 const fresh = new Set(); // kinds of events since the last drawing
 let heard_ms = 0, source = null;
@@ -331,7 +317,8 @@ function connect() {
   source?.close();
   source = new EventSource("events");
   source.addEventListener("open", () => state.points = []); // the server sends all it has
-  for (const kind of ["commands", "headline", "localisation", "picture", "point", "pulse", "ranking", "status"])
+  for (const kind of ["commands", "headline", "localisation", "picture", "point", "problems", "pulse", "ranking",
+                      "status"])
     source.addEventListener(kind, event => take(kind, JSON.parse(event.data)));
 }
 

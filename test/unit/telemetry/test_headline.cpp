@@ -22,7 +22,8 @@ const Json by_distance{{"ranking",
 void expect(const Json &status, const Json &ranking, double silent_s, const char *tone,
             const char *text)
 {
-    const vdna::telemetry::Headline line = vdna::telemetry::headline(status, ranking, silent_s);
+    const vdna::telemetry::Headline line =
+        vdna::telemetry::headline(status, ranking, silent_s, "udpm://x");
     assert_string_equal(line.text.c_str(), text);
     assert_string_equal(line.tone, tone);
 }
@@ -76,10 +77,10 @@ void a_choice_says_no_reason_that_it_does_not_know(void **)
 
 void every_state_has_a_sentence(void **)
 {
-    expect(nullptr, nullptr, 1e9, "wait",
-           "Nothing heard from vdna_selectord yet: is it running, on this LCM network?");
+    expect(nullptr, nullptr, 7, "wait",
+           "No daemon heard on udpm://x for 7 s: is vdna_selectord running, on this LCM network?");
     expect(status_of("VALID"), by_distance, 12.2, "bad",
-           "Nothing heard from vdna_selectord for 12 s: it has ended, or the network is gone.");
+           "No daemon heard on udpm://x for 12 s: it has ended, or the network is gone.");
     expect(status_of("WARMUP"), nullptr, 0, "wait",
            "Warming up: 42 % of the frames to choose by have come.");
     expect(status_of("STALE"), nullptr, 0, "bad", "No place is known: it is dark.");
