@@ -12,6 +12,8 @@
 
 #include <vdna_messages.h>
 
+#include "telemetry/type_name.hpp"
+
 namespace vdna::selectord
 {
 
@@ -25,17 +27,6 @@ constexpr int64_t repeat_us = 60 * second_us; // before what has come back is ne
 constexpr uint64_t doubtful_frames_min = 3;   // fewer frames say nothing about camera time
 constexpr uint64_t late_frames_in = 10;       // more than one late frame in these is doubtful
 constexpr uint32_t named_channels_max = 3;
-
-// libbot's message of several pictures, which is easily taken for the one of a single picture.
-constexpr uint64_t images_fingerprint = 0x20ba4f05e8f5e33a;
-
-const char *type_name(uint64_t fingerprint)
-{
-    for (const vdna_message_type *type : vdna_message_types)
-        if (type->fingerprint == fingerprint)
-            return type->name;
-    return fingerprint == images_fingerprint ? "bot_core.images_t" : nullptr;
-}
 
 // Appends to the text of a verdict, which is cut if it is too long.
 class Writer
@@ -63,7 +54,7 @@ class Writer
 
     void add_type(uint64_t fingerprint)
     {
-        const char *name = type_name(fingerprint);
+        const char *name = telemetry::type_name(fingerprint);
         name ? add("%s", name) : add("fingerprint %016" PRIx64, fingerprint);
     }
 
@@ -212,7 +203,7 @@ void write_silence(Writer &out, const Config &config, const Others &others)
 void write_other_type(Writer &out, const Facts &now, const Others &others)
 {
     const uint64_t found = now.camera.camera_fingerprint;
-    const char *name = type_name(found);
+    const char *name = telemetry::type_name(found);
     if (found == vdna_message_image.fingerprint)
         out.add("malformed: they begin as bot_core.image_t and end too early or too late");
     else

@@ -4,6 +4,7 @@
 #include <vdna/cpp/error.hpp>
 #include <vdna/version.h>
 
+#include "doctor/doctor.hpp"
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
 #include "vdna/commands.hpp"
@@ -36,6 +37,8 @@ vdna::program::ExitCode run(CLI::App &app, int argc, char **argv)
         app.exit(request); // prints the answer to --help and --version
     } catch (const vdna::program::NoneFits &) {
         code = vdna::program::exit_none_fits;
+    } catch (const vdna::doctor::Unwell &) {
+        code = vdna::program::exit_failed;
     }
     // Detect a full disk or a closed pipe, so that half a report does not count as success.
     if (!std::cout.flush())
@@ -56,7 +59,8 @@ int main(int argc, char **argv)
     app.require_subcommand(0, 1);
     app.footer(
         "vdna COMMAND --help lists its options. Exit codes: 0 success, 1 error in the input or "
-        "the system, 2 wrong usage, 3 no experience of the map fits (rank), 130 interrupted. "
+        "the system, or a check that fails (doctor), 2 wrong usage, 3 no experience of the map "
+        "fits (rank), 130 interrupted. "
         "Nothing half-written is left.");
     add_commands(app);
     try {

@@ -14,51 +14,10 @@
 #include <unistd.h>
 
 #include "network.h"
-#include "url.h"
+#include "udpm.h"
 
-#define SCHEME "udpm://"
-#define DEFAULT_GROUP "239.255.76.67"
-#define DEFAULT_PORT 7667
-/* The room that is asked for; the system grants as much as net.core.rmem_max. */
-#define DEFAULT_BUFFER_BYTES (4 << 20)
 /* How often a sender that is not known makes us read our own addresses anew. */
 #define OWN_PERIOD_US 1000000
-
-/* --- the URL --- */
-
-typedef struct network_address {
-    struct sockaddr_in group;
-    long ttl;
-    int buffer_bytes;
-} network_address;
-
-static long number_of(const char *url, const char *name, long without)
-{
-    const char *value = url_option(url, name);
-    return value ? strtol(value, NULL, 10) : without;
-}
-
-/* Read udpm://GROUP:PORT?OPTIONS; LCM has accepted it before. */
-static bool read_url(const char *url, network_address *out_address)
-{
-    char host[64] = DEFAULT_GROUP;
-    const char *place = url + strlen(SCHEME);
-    const size_t length = strcspn(place, ":?");
-    if (length >= sizeof host)
-        return false;
-    if (length > 0) {
-        memcpy(host, place, length);
-        host[length] = 0;
-    }
-    const long port = place[length] == ':' ? strtol(place + length + 1, NULL, 10) : DEFAULT_PORT;
-    const long buffer = number_of(url, "recv_buf_size", DEFAULT_BUFFER_BYTES);
-    *out_address = (network_address){
-        .group = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)},
-        .ttl = number_of(url, "ttl", 0),
-        .buffer_bytes = buffer > 0 && buffer <= INT32_MAX ? (int)buffer : DEFAULT_BUFFER_BYTES,
-    };
-    return port > 0 && port <= UINT16_MAX && inet_aton(host, &out_address->group.sin_addr) != 0;
-}
 
 /* --- who may send --- */
 
@@ -134,15 +93,17 @@ static bool enable(int socket, int level, int option, int value)
 /* Bound to the group, the socket gets nothing that was sent to this machine alone. It also gets
  * what comes by interfaces that only others have joined, which a sender of this machine may use
  * once the route has changed; but not if any machine may send. */
-static bool join(vdna_multicast *m, const network_address *address)
+static bool join(vdna_multicast *m, const vdna_udpm *network)
 {
-    const struct ip_mreq group = {.imr_multiaddr = address->group.sin_addr};
+    const struct sockaddr_in address = {
+        .sin_family = AF_INET, .sin_port = htons(network->port), .sin_addr = {network->group}};
+    const struct ip_mreq group = {.imr_multiaddr = address.sin_addr};
     m->socket = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     return m->socket >= 0 && enable(m->socket, SOL_SOCKET, SO_REUSEADDR, 1) &&
            enable(m->socket, SOL_SOCKET, SO_TIMESTAMPNS, 1) &&
-           enable(m->socket, SOL_SOCKET, SO_RCVBUF, address->buffer_bytes) &&
+           enable(m->socket, SOL_SOCKET, SO_RCVBUF, network->buffer_bytes) &&
            enable(m->socket, IPPROTO_IP, IP_MULTICAST_ALL, !m->from_anywhere) &&
-           bind(m->socket, (const struct sockaddr *)&address->group, sizeof address->group) == 0 &&
+           bind(m->socket, (const struct sockaddr *)&address, sizeof address) == 0 &&
            setsockopt(m->socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) == 0;
 }
 
@@ -160,14 +121,14 @@ size_t vdna_multicast_mem_size(const vdna_wanted_channel *channels, uint32_t cou
 static vdna_status begin(vdna_multicast *m, const char *url, const char *const *sources,
                          uint32_t source_count, vdna_error *error)
 {
-    network_address address;
-    if (!read_url(url, &address))
+    vdna_udpm network;
+    if (!vdna_udpm_read(url, &network))
         return vdna_fail(
             error, VDNA_ERR_IO,
             "%.200s: this is no multicast network; expected a URL such as " VDNA_LCM_URL, url);
     read_sources(m, sources, source_count);
-    m->from_anywhere = address.ttl > 0 && source_count == 0;
-    if (!join(m, &address))
+    m->from_anywhere = network.ttl > 0 && source_count == 0;
+    if (!join(m, &network))
         return vdna_fail(error, VDNA_ERR_IO,
                          "%.200s: cannot receive from this network: %s; " VDNA_LCM_REMEDY, url,
                          strerror(errno));

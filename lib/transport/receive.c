@@ -53,8 +53,10 @@ static vdna_transport_lane *lane_of(vdna_transport *transport,
 {
     const uint64_t source = message->arrival ? message->arrival->source : 0;
     if (source != transport->first_source &&
-        message->received_us - transport->first_received_us < FIRST_SOURCE_SILENT_US)
+        message->received_us - transport->first_received_us < FIRST_SOURCE_SILENT_US) {
+        transport->counters.other_sender_frames++;
         return &transport->lanes[1];
+    }
     transport->first_source = source;
     transport->first_received_us = message->received_us;
     return &transport->lanes[0];

@@ -41,11 +41,11 @@ static void print_counters(const vdna_transport_counters *c)
            ", \"repeated\": %" PRIu64 ", \"foreign\": %" PRIu64 ", \"unprotected_frames\": %" PRIu64
            ", \"corrupted_frames\": %" PRIu64 ", \"repeated_frames\": %" PRIu64
            ", \"reordered_frames\": %" PRIu64 ", \"lost_frames\": %" PRIu64
-           ", \"stream_count\": %" PRIu64 "}\n",
+           ", \"stream_count\": %" PRIu64 ", \"other_sender_frames\": %" PRIu64 "}\n",
            c->received, c->skipped, c->oversized, c->rejected, c->commands, c->lost, c->incomplete,
            c->dropped_datagrams, c->malformed_datagrams, c->repeated_datagrams,
            c->foreign_datagrams, c->unprotected_frames, c->corrupted_frames, c->repeated_frames,
-           c->reordered_frames, c->lost_frames, c->stream_count);
+           c->reordered_frames, c->lost_frames, c->stream_count, c->other_sender_frames);
 }
 
 static int receive_ours(const vdna_transport_config *config, int work_ms)

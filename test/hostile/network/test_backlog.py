@@ -93,7 +93,7 @@ class Backlog(unittest.TestCase):
             "repeated": 4,  # the second fragments of what was not kept
             "unprotected_frames": 2,  # of the largest one, only the beginning came
             "corrupted_frames": 0, "repeated_frames": 0, "reordered_frames": 0, "lost_frames": 0,
-            "stream_count": 0})
+            "stream_count": 0, "other_sender_frames": 0})
 
     def test_after_a_sleep_the_first_frame_is_new(self):
         for url, size, fragment, seconds in (
@@ -141,6 +141,7 @@ class Backlog(unittest.TestCase):
         print(f"{flood.number} messages of a flood; {answered} of {sent} frames handed out")
         self.assertGreater(flood.number, 10 * sent)
         self.assertGreaterEqual(answered, 0.9 * sent)
+        self.assertGreaterEqual(receiver.counters["other_sender_frames"], flood.number / 2)
 
 
 if __name__ == "__main__":
