@@ -18,7 +18,7 @@ program::Json methods_of(const std::vector<eval::MethodResult> &methods)
 {
     program::Json json = program::Json::object();
     for (const eval::MethodResult &method : methods)
-        json[method.name] = json_of(method.metrics);
+        json[method.name] = json_of(method.judged);
     return json;
 }
 
@@ -142,16 +142,16 @@ std::string end_of_row(const eval::Outcome &outcome, const std::string &note)
 
 } // namespace
 
-program::Json json_of(const vdna_ranking_metrics &m)
+program::Json json_of(const eval::JudgedRanking &judged)
 {
-    return {{"ranking_error_swap_once", m.ranking_error_swap_once},
-            {"ranking_error_half_l1", m.ranking_error_half_l1},
-            {"regret", m.regret},
-            {"kendall_tau", m.kendall_tau},
-            {"pearson_within", m.pearson_within},
-            {"spearman_within", m.spearman_within},
-            {"pearson_pooled", m.pearson_pooled},
-            {"spearman_pooled", m.spearman_pooled}};
+    program::Json json, intervals;
+    for (const eval::RankingMetric &metric : eval::ranking_metrics) {
+        const eval::Mean mean = judged.of(metric.value);
+        json[metric.key] = mean.value;
+        intervals[metric.key] = {mean.low, mean.high};
+    }
+    json["intervals"] = intervals;
+    return json;
 }
 
 program::Json json_of(const eval::Evaluation &evaluation,
@@ -175,7 +175,7 @@ program::Json json_of(const eval::Evaluation &evaluation,
         {"queries", names_of_queries(evaluation)},
         {"frames", frames_of(evaluation)},
         {"methods", methods_of(evaluation.methods)},
-        {"note", left_out_text(evaluation.methods.front().metrics)},
+        {"note", left_out_text(evaluation.methods.front().judged.metrics)},
         {"queries_that_rank_nothing", queries_that_rank_nothing(evaluation)},
         {"recall", outcomes_of(evaluation, [](const eval::Outcome &o) { return o.recall[0]; })}};
     for (size_t i = 1; i < eval::recall_depths.size(); i++)
@@ -240,6 +240,38 @@ std::string csv_of(const eval::Evaluation &evaluation)
                std::string(evaluation.trust ? prediction_heads.size() : 0, ',') +
                end_of_row(query.all, eval::truth_ranks(evaluation, q) ? "" : ranks_nothing);
     }
+    return csv;
+}
+
+std::string averages_csv_of(const eval::Evaluation &evaluation,
+                            const std::vector<eval::Ablation> &ablations)
+{
+    std::string csv = "table,row,average,value,low,high\n";
+    const auto add = [&](const std::string &table, const std::string &row,
+                         const std::string &average, const eval::Mean &mean) {
+        csv += quoted(table) + "," + quoted(row) + "," + average;
+        for (const double value : {mean.value, mean.low, mean.high})
+            csv += "," + (std::isnan(value) ? "" : program::Json(value).dump());
+        csv += "\n";
+    };
+    const auto add_method = [&](const std::string &table, const std::string &row,
+                                const eval::MethodResult &method) {
+        for (const eval::RankingMetric &metric : eval::ranking_metrics)
+            add(table, row, metric.key, method.judged.of(metric.value));
+    };
+    for (const eval::MethodResult &method : evaluation.methods)
+        add_method("ranking", method.name, method);
+    for (const auto *results : {&evaluation.localisers, &evaluation.drives})
+        for (const eval::LocaliserResult &result : *results) {
+            const std::string table =
+                results == &evaluation.drives ? "drive " + result.drive : "localisers";
+            add(table, result.name, "recall_percent", result.mean.recall);
+            add(table, result.name, "recall_percent_first_choice", result.chosen.recall);
+        }
+    for (const eval::Ablation &ablation : ablations)
+        for (const eval::AblationRow &row : ablation.rows)
+            for (const eval::MethodResult &method : row.methods)
+                add_method("ablation " + ablation.kind, row.value + " " + method.name, method);
     return csv;
 }
 
