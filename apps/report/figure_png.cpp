@@ -1,4 +1,5 @@
 // Figures as PNG.
+#include <algorithm>
 #include <cmath>
 
 #include <opencv2/imgcodecs.hpp>
@@ -54,9 +55,12 @@ class PngDrawer
             if ((static_cast<unsigned char>(c) & 0xc0u) != 0x80)
                 ascii += c >= ' ' && c <= '~' ? c : '?';
         int baseline = 0;
-        const double size = text.size * scale_ / 30;
+        double size = text.size * scale_ / 30;
         const int thick = text.bold ? thickness(0.8) : thickness(0.4);
-        const cv::Size box = cv::getTextSize(ascii, font, size, thick, &baseline);
+        cv::Size box = cv::getTextSize(ascii, font, size, thick, &baseline);
+        // Its letters are wider than those that the figure was laid out for.
+        size *= std::min(1.0, text_width(text) * scale_ / std::max(box.width, 1));
+        box = cv::getTextSize(ascii, font, size, thick, &baseline);
         cv::Mat written(box.height + 2 * baseline, box.width + 2, CV_8UC1, cv::Scalar(0));
         cv::putText(written, ascii, {0, box.height + baseline / 2}, font, size, cv::Scalar(255),
                     thick, cv::LINE_AA);
@@ -73,7 +77,7 @@ class PngDrawer
         }
         const cv::Rect inside = cv::Rect(at, written.size()) & cv::Rect({0, 0}, picture_.size());
         if (!inside.empty())
-            picture_(inside).setTo(bgr(text.colour), written(inside - at) > 127);
+            picture_(inside).setTo(bgr(text.colour), written(inside - at) > 90);
     }
 
     void operator()(const Raster &raster)

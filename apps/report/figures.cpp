@@ -28,7 +28,7 @@ void write_figures(const eval::Evaluation &evaluation, const std::string &direct
         for (Figure &figure : made(evaluation))
             figures.push_back(std::move(figure));
 
-    make_directory(directory);
+    program::make_directory(directory);
     FileNames names;
     program::Progress progress("writing figures", figures.size());
     for (const Figure &figure : figures) {

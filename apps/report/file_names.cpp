@@ -1,9 +1,5 @@
 #include "report/file_names.hpp"
 
-#include <filesystem>
-
-#include <vdna/cpp/error.hpp>
-
 namespace vdna::report
 {
 
@@ -48,14 +44,6 @@ std::string FileNames::unique(const std::string &name)
     for (size_t i = 2; !taken_.insert(lower(found)).second; i++)
         found = first + "-" + std::to_string(i);
     return found;
-}
-
-void make_directory(const std::string &directory)
-{
-    std::error_code failure;
-    std::filesystem::create_directories(directory, failure);
-    if (failure)
-        throw Error(directory + ": cannot make this directory: " + failure.message());
 }
 
 } // namespace vdna::report

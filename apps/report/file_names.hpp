@@ -22,7 +22,4 @@ class FileNames
     std::set<std::string> taken_; // in lower case
 };
 
-// Throws Error if the directory can neither be found nor made.
-void make_directory(const std::string &directory);
-
 } // namespace vdna::report

@@ -240,7 +240,7 @@ Figure legend_figure(const std::vector<MatrixPanel> &panels)
     if (has(panels, &MatrixPanel::nearest))
         legend.add(marks_of(Verdict::unknown, 1.5), "small: nearest frame by itself");
     if (has(panels, &MatrixPanel::truth))
-        legend.add({Shape::dot, 1.2, truth_colour, {}}, "same place in truth");
+        legend.add({Shape::dot, 2, truth_colour, {}}, "same place in truth");
     return figure;
 }
 

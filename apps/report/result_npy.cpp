@@ -21,7 +21,7 @@ class NpyFiles
     NpyFiles(const eval::Evaluation &evaluation, const std::string &directory)
         : evaluation_(evaluation), directory_(directory)
     {
-        make_directory(directory);
+        program::make_directory(directory);
         FileNames names;
         for (const eval::Traversal &t : *evaluation.traversals)
             names_.push_back(names.unique(t.name));
