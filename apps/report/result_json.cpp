@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "eval/placing.hpp"
+#include "report/csv_field.hpp"
 #include "report/localisers.hpp"
 #include "report/reselection.hpp"
 #include "report/trust.hpp"
@@ -98,23 +99,12 @@ program::Json queries_that_rank_nothing(const eval::Evaluation &evaluation)
     return names;
 }
 
-// A name as a CSV field.
-std::string quoted(const std::string &text)
-{
-    if (text.find_first_of(",\"\r\n") == std::string::npos)
-        return text;
-    std::string field = "\"";
-    for (const char c : text)
-        field += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return field + "\"";
-}
-
 std::string csv_row(const std::string &query, const std::string &reference,
                     const eval::Outcome &outcome)
 {
-    return quoted(query) + "," + quoted(reference) + "," + program::Json(outcome.recall[0]).dump() +
-           "," + std::to_string(outcome.good) + "," + std::to_string(outcome.judged) + "," +
-           std::to_string(outcome.unreachable);
+    return csv_field(query) + "," + csv_field(reference) + "," +
+           program::Json(outcome.recall[0]).dump() + "," + std::to_string(outcome.good) + "," +
+           std::to_string(outcome.judged) + "," + std::to_string(outcome.unreachable);
 }
 
 // Of those localisers whose recalls are not in the column recall_percent.
@@ -136,7 +126,7 @@ std::string prediction_columns(const eval::TrustPair &pair)
 
 std::string end_of_row(const eval::Outcome &outcome, const std::string &note)
 {
-    return "," + std::to_string(outcome.matches.size() - outcome.judged) + "," + quoted(note) +
+    return "," + std::to_string(outcome.matches.size() - outcome.judged) + "," + csv_field(note) +
            "\n";
 }
 
@@ -205,9 +195,9 @@ std::string csv_of(const eval::Evaluation &evaluation)
     std::string csv = "query,reference,recall_percent,good,total,unreachable";
     for (const eval::MethodResult &method : evaluation.methods)
         if (!method.distance.empty())
-            csv += "," + quoted("distance_" + method.name);
+            csv += "," + csv_field("distance_" + method.name);
     for (const size_t i : beyond_usual_localisers(evaluation))
-        csv += "," + quoted("recall_percent_" + evaluation.localisers[i].name);
+        csv += "," + csv_field("recall_percent_" + evaluation.localisers[i].name);
     for (size_t i = 0; evaluation.trust && i < prediction_heads.size(); i++)
         csv += "," + prediction_heads[i] + "_percent";
     csv += ",without_truth,note\n";
@@ -240,38 +230,6 @@ std::string csv_of(const eval::Evaluation &evaluation)
                std::string(evaluation.trust ? prediction_heads.size() : 0, ',') +
                end_of_row(query.all, eval::truth_ranks(evaluation, q) ? "" : ranks_nothing);
     }
-    return csv;
-}
-
-std::string averages_csv_of(const eval::Evaluation &evaluation,
-                            const std::vector<eval::Ablation> &ablations)
-{
-    std::string csv = "table,row,average,value,low,high\n";
-    const auto add = [&](const std::string &table, const std::string &row,
-                         const std::string &average, const eval::Mean &mean) {
-        csv += quoted(table) + "," + quoted(row) + "," + average;
-        for (const double value : {mean.value, mean.low, mean.high})
-            csv += "," + (std::isnan(value) ? "" : program::Json(value).dump());
-        csv += "\n";
-    };
-    const auto add_method = [&](const std::string &table, const std::string &row,
-                                const eval::MethodResult &method) {
-        for (const eval::RankingMetric &metric : eval::ranking_metrics)
-            add(table, row, metric.key, method.judged.of(metric.value));
-    };
-    for (const eval::MethodResult &method : evaluation.methods)
-        add_method("ranking", method.name, method);
-    for (const auto *results : {&evaluation.localisers, &evaluation.drives})
-        for (const eval::LocaliserResult &result : *results) {
-            const std::string table =
-                results == &evaluation.drives ? "drive " + result.drive : "localisers";
-            add(table, result.name, "recall_percent", result.mean.recall);
-            add(table, result.name, "recall_percent_first_choice", result.chosen.recall);
-        }
-    for (const eval::Ablation &ablation : ablations)
-        for (const eval::AblationRow &row : ablation.rows)
-            for (const eval::MethodResult &method : row.methods)
-                add_method("ablation " + ablation.kind, row.value + " " + method.name, method);
     return csv;
 }
 

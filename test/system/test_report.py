@@ -17,6 +17,8 @@ from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
 
+from browser import PROGRAM, Browser
+
 VDNA = Path(os.environ["VDNA_BIN"]) / "vdna"
 
 HOSTILE = "<script>alert('\"&')"  # a possible folder name
@@ -259,6 +261,23 @@ class Report(unittest.TestCase):
         recall = self.result["recall"]["summer"]
         self.assertIn(f"summer / {recall['all']:.2f}", tex)
         self.assertIn(f"{recall['winter']:.2f} - winter", tex)
+
+    @unittest.skipUnless(PROGRAM, "chromium is not installed")
+    def test_the_page_fits_screens_and_wide_tables_scroll(self):
+        with Browser() as browser:
+            for width in (1280, 390):
+                browser.resize(width)
+                browser.open((self.folder / "report.html").as_uri())
+                browser.wait_for("document.readyState === 'complete'")
+                self.assertEqual(browser.value("document.documentElement.scrollWidth"), width)
+                self.assertEqual(browser.value(
+                    "[...document.querySelectorAll('.scroll')].filter(box => "
+                    "box.scrollWidth > box.clientWidth).map(box => { box.scrollLeft = 9; "
+                    "return box.scrollLeft; }).filter(x => !(x > 0))"), [])
+            self.assertGreater(browser.value(
+                "[...document.querySelectorAll('.scroll')].filter(box => "
+                "box.scrollWidth > box.clientWidth).length"), 0)
+            self.assertEqual(browser.complaints, [])
 
     @unittest.skipUnless(shutil.which("pdflatex"), "pdflatex is not installed")
     def test_pdflatex_compiles_the_tables(self):
