@@ -12,7 +12,7 @@ AblationRow row_of(const std::string &value, const Evaluation &evaluation)
 {
     AblationRow row{value, {}};
     for (const MethodResult &method : evaluation.methods)
-        row.methods.push_back({method.name, {}, method.metrics});
+        row.methods.push_back({method.name, {}, method.judged});
     return row;
 }
 

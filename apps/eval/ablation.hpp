@@ -9,7 +9,7 @@
 namespace vdna::eval
 {
 
-// The methods with one changed value; only name and metrics of MethodResult are filled.
+// The methods with one changed value; only name and judgement of MethodResult are filled.
 struct AblationRow {
     std::string value; // "1000", "45s", a tap's name, or the traversal that was left out
     std::vector<MethodResult> methods;

@@ -14,14 +14,6 @@ namespace
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
-// sorted: at least two values.
-double quantile(const std::vector<double> &sorted, double share)
-{
-    const double at = share * static_cast<double>(sorted.size() - 1);
-    const auto below = static_cast<size_t>(at);
-    return sorted[below] + (at - std::floor(at)) * (sorted[below + 1] - sorted[below]);
-}
-
 std::vector<double> sorted_resample_means(const std::vector<double> &values)
 {
     std::mt19937 random(1);
@@ -37,6 +29,14 @@ std::vector<double> sorted_resample_means(const std::vector<double> &values)
 }
 
 } // namespace
+
+double quantile(const std::vector<double> &sorted, double share)
+{
+    const double at = share * static_cast<double>(sorted.size() - 1);
+    const auto below = static_cast<size_t>(at);
+    const size_t above = std::min(below + 1, sorted.size() - 1);
+    return sorted[below] + (at - std::floor(at)) * (sorted[above] - sorted[below]);
+}
 
 Mean mean_with_interval(const std::vector<double> &values)
 {

@@ -227,12 +227,12 @@ class Run
 
     void judge()
     {
-        for (MethodResult &judged : result_.methods) {
+        for (MethodResult &method : result_.methods) {
             const vdna_ranking_table table = {
-                result_.recall.data(), judged.distance.empty() ? nullptr : judged.distance.data(),
+                result_.recall.data(), method.distance.empty() ? nullptr : method.distance.data(),
                 static_cast<uint32_t>(result_.queries.size()),
                 static_cast<uint32_t>(references_.size())};
-            require(vdna_judge_ranking(&table, &judged.metrics), "ranking by " + judged.name);
+            method.judged = judge_ranking(table, "ranking by " + method.name);
         }
     }
 

@@ -13,6 +13,7 @@
 
 #include "eval/bootstrap.hpp"
 #include "eval/confidence.hpp"
+#include "eval/ranking_metrics.hpp"
 #include "eval/trust_evaluation.hpp"
 #include "record/localisation.hpp"
 #include "record/projection.hpp"
@@ -76,8 +77,8 @@ struct QueryResult {
 struct MethodResult {
     std::string name;             // key of a method of eval/methods.hpp
     std::vector<double> distance; // [queries][references], NaN without a pair; empty for
-                                  // chance, whose metrics are exact expectations
-    vdna_ranking_metrics metrics; // percentages as percentages
+                                  // chance, which is judged by exact expectations
+    JudgedRanking judged{};       // percentages as percentages
 };
 
 // How well frames were localised.

@@ -68,4 +68,10 @@ std::vector<Place> predicted_places(const Evaluation &evaluation, size_t query,
     return places;
 }
 
+const PairResult &pair_with(const QueryResult &query, size_t reference)
+{
+    return *std::find_if(query.pairs.begin(), query.pairs.end(),
+                         [&](const PairResult &pair) { return pair.reference == reference; });
+}
+
 } // namespace vdna::eval

@@ -18,6 +18,9 @@ struct Place {
 // False if all references of a query have the same recall, so that every order is true.
 bool truth_ranks(const Evaluation &evaluation, size_t query);
 
+// The query against a reference that it was compared with.
+const PairResult &pair_with(const QueryResult &query, size_t reference);
+
 // query: index into the evaluation's queries. Ties keep the order of the references.
 std::vector<Place> true_places(const Evaluation &evaluation, size_t query);
 // method: any but "random".

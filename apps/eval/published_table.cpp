@@ -130,9 +130,7 @@ std::vector<MethodResult> judge_published(const program::Json &json, const std::
         const vdna_ranking_table table = {
             common.data(), distance.empty() ? nullptr : distance.data(),
             static_cast<uint32_t>(queries.size()), static_cast<uint32_t>(references.size())};
-        MethodResult result{name, distance, {}};
-        require(vdna_judge_ranking(&table, &result.metrics), path);
-        return result;
+        return MethodResult{name, distance, judge_ranking(table, path)};
     };
     std::vector<MethodResult> results;
     for (const auto &[name, value] : distance_member.json.items()) {

@@ -1,5 +1,7 @@
 #include "program/replaced_file.hpp"
 
+#include <filesystem>
+
 #include <vdna/cpp/error.hpp>
 
 #include "replace/replace.h"
@@ -19,6 +21,14 @@ void replace_file(const std::string &path, const std::string &bytes, Durability 
     const bool durable = durability == Durability::durable;
     require(vdna_replace_commit(&file, durable ? VDNA_REPLACE_DURABLE : VDNA_REPLACE_QUICK, &error),
             error);
+}
+
+void make_directory(const std::string &directory)
+{
+    std::error_code failure;
+    std::filesystem::create_directories(directory, failure);
+    if (failure)
+        throw Error(directory + ": cannot make this directory: " + failure.message());
 }
 
 } // namespace vdna::program

@@ -1,4 +1,4 @@
-// Atomic replacement of files.
+// Atomic replacement of files, and directories for them.
 #pragma once
 
 #include <string>
@@ -15,5 +15,8 @@ enum class Durability {
 // Write a file next to the old one and rename it when it is complete. Throws Error.
 void replace_file(const std::string &path, const std::string &bytes,
                   Durability durability = Durability::durable);
+
+// Made with those above it, unless it is there. Throws Error.
+void make_directory(const std::string &directory);
 
 } // namespace vdna::program

@@ -1,4 +1,6 @@
 // Error tables of all methods and of the ablations.
+#include <cmath>
+
 #include "eval/methods.hpp"
 #include "report/html.hpp"
 #include "report/sections.hpp"
@@ -10,22 +12,22 @@ namespace vdna::report
 namespace
 {
 
-std::string cells(const std::vector<double> &values)
+std::string cell(const eval::Mean &mean)
 {
-    std::string html;
-    for (const double value : values)
-        html += text_element("td class=\"number\"", number_text(value, 3));
-    return html;
+    const std::string interval =
+        std::isnan(mean.low) ? ""
+                             : "<br>" + text_element("small", number_text(mean.low, 3) + " to " +
+                                                                  number_text(mean.high, 3));
+    return element("td class=\"number\"", escaped(number_text(mean.value, 3)) + interval);
 }
 
 std::string row_of(const eval::MethodResult &method)
 {
-    const vdna_ranking_metrics &m = method.metrics;
-    return element(
-        method.name == eval::methods.front().key ? "tr class=\"ours\"" : "tr",
-        text_element("th scope=\"row\"", eval::title_of(method.name)) +
-            cells({m.ranking_error_swap_once, m.ranking_error_half_l1, m.regret, m.kendall_tau,
-                   m.pearson_within, m.spearman_within, m.pearson_pooled, m.spearman_pooled}));
+    std::string cells;
+    for (const eval::RankingMetric &metric : eval::ranking_metrics)
+        cells += cell(method.judged.of(metric.value));
+    return element(method.name == eval::methods.front().key ? "tr class=\"ours\"" : "tr",
+                   text_element("th scope=\"row\"", eval::title_of(method.name)) + cells);
 }
 
 std::string header_cells(const std::vector<std::string> &titles)
@@ -44,12 +46,12 @@ std::string table_of(const eval::Ablation &ablation)
             titles.insert(titles.end(), {eval::title_of(method.name) + ": error, %", "regret, %"});
     std::string body;
     for (const eval::AblationRow &row : ablation.rows) {
-        std::vector<double> values;
+        std::string cells;
         for (const eval::MethodResult &method : row.methods)
             if (!eval::is_of_tap(method.name))
-                values.insert(values.end(),
-                              {method.metrics.ranking_error_swap_once, method.metrics.regret});
-        body += element("tr", text_element("th scope=\"row\"", row.value) + cells(values));
+                cells += cell(method.judged.of(&vdna_ranking_metrics::ranking_error_swap_once)) +
+                         cell(method.judged.of(&vdna_ranking_metrics::regret));
+        body += element("tr", text_element("th scope=\"row\"", row.value) + cells);
     }
     return table("Ablation: " + escaped(ablation.kind), element("tr", header_cells(titles)), body);
 }
@@ -58,25 +60,17 @@ std::string table_of(const eval::Ablation &ablation)
 
 std::string averages_section(const eval::Evaluation &evaluation)
 {
-    const std::string explanation =
-        "<p>Errors are in percentage points of Recall@1, averaged over all queries; lower is "
-        "better. <b>Swap-once</b> is the paper's ranking error: each pair of swapped "
-        "references costs the difference of their recalls. <b>Half-L1</b> is "
-        "half of the recall difference summed over all ranks. <b>Regret</b> is the recall lost by "
-        "taking the first choice instead of the best. <b>Kendall tau</b> is 1 for the true order "
-        "and -1 for its reverse. The <b>correlations</b> of distance and recall are best at -1: "
-        "the nearer, the better; \"within\" is within each query, \"pooled\" over all.</p>";
     std::string body;
     for (const eval::MethodResult &method : evaluation.methods)
         body += row_of(method);
-    const std::string left_out = left_out_text(evaluation.methods.front().metrics);
-    return "<h2>How well each method ranks</h2>" + explanation +
-           (left_out.empty() ? "" : text_element("p", left_out)) +
-           table("Ranking errors, averaged",
-                 element("tr", header_cells({"Method", "Swap-once, %", "Half-L1, %", "Regret, %",
-                                             "Kendall tau", "Pearson within", "Spearman within",
-                                             "Pearson pooled", "Spearman pooled"})),
-                 body);
+    std::vector<std::string> titles = {"Method"};
+    for (const eval::RankingMetric &metric : eval::ranking_metrics)
+        titles.emplace_back(metric.title);
+    const std::string left_out = left_out_text(evaluation.methods.front().judged.metrics);
+    return "<h2>How well each method ranks</h2>" +
+           table("Ranking errors, averaged over queries, with 95 % intervals",
+                 element("tr", header_cells(titles)), body) +
+           (left_out.empty() ? "" : text_element("p", left_out));
 }
 
 std::string ablations_section(const std::vector<eval::Ablation> &ablations)

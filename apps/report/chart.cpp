@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "program/print.hpp"
-#include "report/html.hpp"
 
 namespace vdna::report
 {
@@ -23,17 +22,6 @@ struct Axis {
 
     // 0..1
     double share(double value) const { return (value - low) / (high - low); }
-
-    // 1, 2 or 5 times a power of ten; the axis has at most five steps.
-    double step() const
-    {
-        const double rough = (high - low) / 5;
-        const double power = std::pow(10, std::floor(std::log10(rough)));
-        for (const double factor : {1.0, 2.0, 5.0})
-            if (factor * power >= rough)
-                return factor * power;
-        return 10 * power;
-    }
 };
 
 Axis axis_of(const std::string &label, double low, double high)
@@ -51,17 +39,15 @@ double y_of(const Axis &axis, double value)
     return height - bottom - axis.share(value) * (height - top - bottom);
 }
 
-std::string line(double x1, double y1, double x2, double y2)
+// 1, 2 or 5 times a power of ten; about as many steps as wanted cover the span.
+double step_of(double span, double steps)
 {
-    return "<line x1=\"" + program::fixed(x1, 1) + "\" y1=\"" + program::fixed(y1, 1) + "\" x2=\"" +
-           program::fixed(x2, 1) + "\" y2=\"" + program::fixed(y2, 1) + "\"/>";
-}
-
-std::string label_at(double x, double y, const std::string &attributes, const std::string &text)
-{
-    return text_element("text x=\"" + program::fixed(x, 1) + "\" y=\"" + program::fixed(y, 1) +
-                            "\"" + attributes,
-                        text);
+    const double rough = span / steps;
+    const double power = std::pow(10, std::floor(std::log10(rough)));
+    for (const double factor : {1.0, 2.0, 5.0})
+        if (factor * power >= rough)
+            return factor * power;
+    return 10 * power;
 }
 
 std::string tick_text(double value, double step)
@@ -70,114 +56,106 @@ std::string tick_text(double value, double step)
     return program::fixed(value, digits);
 }
 
-// A line and its number at each step.
-template <typename Draw>
-void for_each_tick(const Axis &axis, Draw draw)
+// A chart without data.
+Figure chart_of(const std::string &title)
 {
-    const double step = axis.step();
-    const auto first = static_cast<int>(std::ceil(axis.low / step - 1e-9));
-    for (int i = first; i * step <= axis.high + step * 1e-9; i++)
-        draw(i * step, tick_text(i * step, step));
+    return {"", title, width, height};
 }
 
-std::string x_ticks(const Axis &x)
+void add_x_ticks(const Axis &x, Figure &chart)
 {
-    std::string svg;
-    for_each_tick(x, [&](double value, const std::string &text) {
-        svg += line(x_of(x, value), top, x_of(x, value), height - bottom);
-        svg += label_at(x_of(x, value), height - bottom + 14, " text-anchor=\"middle\"", text);
-    });
-    return svg +
-           label_at((left + width - right) / 2, height - 8, " text-anchor=\"middle\"", x.label);
+    for (const auto &[value, text] : ticks_of(x.low, x.high)) {
+        chart.items.push_back(
+            Line{{{x_of(x, value), top}, {x_of(x, value), height - bottom}}, grid});
+        chart.items.push_back(Text{x_of(x, value), height - bottom + 14, text, Anchor::middle});
+    }
+    chart.items.push_back(Text{(left + width - right) / 2, height - 8, x.label, Anchor::middle});
 }
 
-std::string y_ticks(const Axis &y)
+void add_y_ticks(const Axis &y, Figure &chart)
 {
-    std::string svg;
-    for_each_tick(y, [&](double value, const std::string &text) {
-        svg += line(left, y_of(y, value), width - right, y_of(y, value));
-        svg += label_at(left - 5, y_of(y, value) + 4, " text-anchor=\"end\"", text);
-    });
-    const double middle = (top + height - bottom) / 2;
-    return svg + label_at(12, middle,
-                          " text-anchor=\"middle\" transform=\"rotate(-90 12 " +
-                              program::fixed(middle, 1) + ")\"",
-                          y.label);
+    for (const auto &[value, text] : ticks_of(y.low, y.high)) {
+        chart.items.push_back(
+            Line{{{left, y_of(y, value)}, {width - right, y_of(y, value)}}, grid});
+        chart.items.push_back(Text{left - 5, y_of(y, value) + 4, text, Anchor::end});
+    }
+    chart.items.push_back(
+        Text{12, (top + height - bottom) / 2, y.label, Anchor::middle, faint, false, true});
 }
 
-std::string axes(const Axis &x, const Axis &y)
+Marks dot_at(double x, double y, const Colour &colour, const std::string &label)
 {
-    return x_ticks(x) + y_ticks(y);
+    return {Shape::dot, 4, colour, {{x, y}}, false, label};
 }
 
-std::string drawing(const std::string &text, const std::string &svg)
+Line curve_of(const Axis &x, const Axis &y, const Curve &curve, const Colour &colour)
 {
-    return element("svg viewBox=\"0 0 " + program::fixed(width, 0) + " " +
-                       program::fixed(height, 0) + "\" role=\"img\" aria-label=\"" + escaped(text) +
-                       "\"",
-                   svg);
-}
-
-std::string dot(const Axis &x, const Axis &y, const Point &point, size_t series_count)
-{
-    return element("circle cx=\"" + program::fixed(x_of(x, point.x), 1) + "\" cy=\"" +
-                       program::fixed(y_of(y, point.y), 1) + "\" r=\"4.5\" fill=\"" +
-                       series_colour(point.series, series_count) + "\"",
-                   text_element("title", point.label));
-}
-
-std::string polyline(const Axis &x, const Axis &y, const std::vector<double> &heights)
-{
-    std::string points;
-    const size_t count = std::min(heights.size(), points_of_a_curve);
+    Line line{{}, colour, 2, false, curve.label};
+    const size_t count = std::min(curve.heights.size(), points_of_a_curve);
     for (size_t i = 0; i < count; i++) {
         // Always include the first and the last.
-        const size_t at = count > 1 ? i * (heights.size() - 1) / (count - 1) : 0;
-        points += program::fixed(x_of(x, static_cast<double>(at + 1)), 1) + "," +
-                  program::fixed(y_of(y, heights[at]), 1) + " ";
+        const size_t at = count > 1 ? i * (curve.heights.size() - 1) / (count - 1) : 0;
+        line.spots.push_back({x_of(x, static_cast<double>(at + 1)), y_of(y, curve.heights[at])});
     }
-    return points;
-}
-
-// Points of the drawing as a line.
-std::string path(const std::vector<Point> &points, const Axis &x, const Axis &y,
-                 const std::string &stroke)
-{
-    std::string text;
-    for (const Point &point : points)
-        text +=
-            program::fixed(x_of(x, point.x), 1) + "," + program::fixed(y_of(y, point.y), 1) + " ";
-    return element(
-        "polyline fill=\"none\" stroke-width=\"2\" " + stroke + " points=\"" + text + "\"", "");
+    return line;
 }
 
 // At this x of the drawing.
-std::string whisker(const Whisker &shown, double at, const Axis &y, const std::string &colour)
+void add_whisker(const Whisker &shown, double at, const Axis &y, const Colour &colour,
+                 Figure &chart)
 {
-    const std::string x = program::fixed(at, 1);
-    const std::string interval =
-        std::isnan(shown.low)
-            ? ""
-            : element("polyline stroke-width=\"2\" stroke=\"" + colour + "\" points=\"" + x + "," +
-                          program::fixed(y_of(y, shown.low), 1) + " " + x + "," +
-                          program::fixed(y_of(y, shown.high), 1) + "\"",
-                      "");
-    return interval +
-           element("circle cx=\"" + x + "\" cy=\"" + program::fixed(y_of(y, shown.value), 1) +
-                       "\" r=\"4.5\" fill=\"" + colour + "\"",
-                   text_element("title", shown.label));
+    if (!std::isnan(shown.low))
+        chart.items.push_back(
+            Line{{{at, y_of(y, shown.low)}, {at, y_of(y, shown.high)}}, colour, 2});
+    chart.items.push_back(dot_at(at, y_of(y, shown.value), colour, shown.label));
+}
+
+// hue: 0..1, at 70 % saturation and 48 % lightness
+Colour colour_of_hue(double hue)
+{
+    const auto channel = [&](double shift) {
+        const double turn = std::fmod(hue + shift, 1.0) * 6;
+        const double share = turn < 1 ? turn : turn < 3 ? 1 : turn < 4 ? 4 - turn : 0;
+        return static_cast<uint8_t>(255 * (0.48 + 0.48 * 0.7 * (2 * share - 1)));
+    };
+    return {channel(1.0 / 3), channel(0), channel(2.0 / 3)};
 }
 
 } // namespace
 
-std::string series_colour(size_t series, size_t count)
+std::vector<Tick> ticks_of(double low, double high, double steps)
 {
-    return "hsl(" + std::to_string((210 + 360 * series / std::max<size_t>(count, 1)) % 360) +
-           " 70% 48%)";
+    std::vector<Tick> ticks;
+    const double step = step_of(high - low, steps);
+    const auto first = static_cast<int>(std::ceil(low / step - 1e-9));
+    for (int i = first; i * step <= high + step * 1e-9; i++)
+        ticks.push_back({i * step, tick_text(i * step, step)});
+    return ticks;
 }
 
-std::string scatter_chart(const std::string &x_label, const std::string &y_label, double y_end,
-                          const std::vector<Point> &points, size_t series_count)
+Colour series_colour(size_t series, size_t count)
+{
+    constexpr double blue = 210.0 / 360;
+    return colour_of_hue(blue + static_cast<double>(series) /
+                                    static_cast<double>(std::max<size_t>(count, 1)));
+}
+
+Figure key_figure(const std::vector<std::string> &names)
+{
+    constexpr double row = 17, indent = 20;
+    Figure key{"", "Colours", 0, row * static_cast<double>(names.size()) + 4};
+    for (size_t i = 0; i < names.size(); i++) {
+        const double y = row * static_cast<double>(i) + 12;
+        const Text text{indent, y + 4, names[i]};
+        key.items.push_back(dot_at(8, y, series_colour(i, names.size()), ""));
+        key.items.push_back(text);
+        key.width = std::max(key.width, indent + text_width(text) + 4);
+    }
+    return key;
+}
+
+Figure scatter_chart(const std::string &x_label, const std::string &y_label, double y_end,
+                     const std::vector<Point> &points, size_t series_count)
 {
     double low = 0, high = 0;
     for (size_t i = 0; i < points.size(); i++) {
@@ -187,14 +165,17 @@ std::string scatter_chart(const std::string &x_label, const std::string &y_label
     const double margin = 0.05 * (high - low);
     const Axis x = axis_of(x_label, low - margin, high + margin);
     const Axis y = axis_of(y_label, 0, y_end);
-    std::string svg = axes(x, y);
+    Figure chart = chart_of(y_label + " against " + x_label);
+    add_x_ticks(x, chart);
+    add_y_ticks(y, chart);
     for (const Point &point : points)
-        svg += dot(x, y, point, series_count);
-    return drawing(y_label + " against " + x_label, svg);
+        chart.items.push_back(dot_at(x_of(x, point.x), y_of(y, point.y),
+                                     series_colour(point.series, series_count), point.label));
+    return chart;
 }
 
-std::string curve_chart(const std::string &x_label, const std::string &y_label,
-                        const std::vector<Curve> &curves)
+Figure curve_chart(const std::string &x_label, const std::string &y_label,
+                   const std::vector<Curve> &curves)
 {
     size_t longest = 1;
     double highest = 0;
@@ -204,40 +185,39 @@ std::string curve_chart(const std::string &x_label, const std::string &y_label,
     }
     const Axis x = axis_of(x_label, 1, static_cast<double>(longest));
     const Axis y = axis_of(y_label, 0, highest);
-    std::string svg = axes(x, y);
+    Figure chart = chart_of(y_label + " against " + x_label);
+    add_x_ticks(x, chart);
+    add_y_ticks(y, chart);
     for (size_t i = 0; i < curves.size(); i++)
-        svg += element("polyline fill=\"none\" stroke-width=\"2\" stroke=\"" +
-                           series_colour(i, curves.size()) + "\" points=\"" +
-                           polyline(x, y, curves[i].heights) + "\"",
-                       text_element("title", curves[i].label));
-    return drawing(y_label + " against " + x_label, svg);
+        chart.items.push_back(curve_of(x, y, curves[i], series_colour(i, curves.size())));
+    return chart;
 }
 
-std::string whisker_chart(const std::string &y_label, double y_end,
-                          const std::vector<WhiskerGroup> &groups)
+Figure whisker_chart(const std::string &y_label, double y_end,
+                     const std::vector<WhiskerGroup> &groups)
 {
     const Axis y = axis_of(y_label, 0, y_end);
     const double group_width = (width - left - right) / static_cast<double>(groups.size());
-    std::string svg = y_ticks(y), names;
+    Figure chart = chart_of(y_label + " of");
+    add_y_ticks(y, chart);
     for (size_t g = 0; g < groups.size(); g++) {
         const std::vector<Whisker> &whiskers = groups[g].whiskers;
         const double begin = left + static_cast<double>(g) * group_width;
-        svg += label_at(begin + group_width / 2, height - bottom + 16, " text-anchor=\"middle\"",
-                        groups[g].name);
+        chart.items.push_back(
+            Text{begin + group_width / 2, height - bottom + 16, groups[g].name, Anchor::middle});
         for (size_t i = 0; i < whiskers.size(); i++) {
             const double share =
                 static_cast<double>(i + 1) / static_cast<double>(whiskers.size() + 1);
-            svg += whisker(whiskers[i], begin + share * group_width, y,
-                           series_colour(i, whiskers.size()));
+            add_whisker(whiskers[i], begin + share * group_width, y,
+                        series_colour(i, whiskers.size()), chart);
         }
-        names += (g > 0 ? ", " : "") + groups[g].name;
+        chart.title += (g > 0 ? ", " : " ") + groups[g].name;
     }
-    return drawing(y_label + " of " + names, svg);
+    return chart;
 }
 
-std::string lane_chart(const std::string &x_label, double x_end,
-                       const std::vector<std::string> &lanes, const std::vector<Stretch> &stretches,
-                       const std::vector<Mark> &marks)
+Figure lane_chart(const std::string &x_label, double x_end, const std::vector<std::string> &lanes,
+                  const std::vector<Stretch> &stretches, const std::vector<Mark> &marks)
 {
     // The names of the marks have a lane of their own, above the others.
     const Axis x = axis_of(x_label, 0, x_end);
@@ -246,41 +226,44 @@ std::string lane_chart(const std::string &x_label, double x_end,
             (static_cast<double>(lane) + 1.6) / static_cast<double>(lanes.size() + 1);
         return top + share * (height - top - bottom);
     };
-    std::string svg = x_ticks(x), names;
+    Figure chart = chart_of("");
+    add_x_ticks(x, chart);
     for (const Mark &mark : marks) {
-        const std::string at = program::fixed(x_of(x, mark.x), 1);
-        svg += element("polyline stroke=\"currentColor\" stroke-dasharray=\"4\" points=\"" + at +
-                           "," + program::fixed(top, 1) + " " + at + "," +
-                           program::fixed(height - bottom, 1) + "\"",
-                       "");
-        svg += label_at(x_of(x, mark.x) + 4, top + 12, "", mark.name);
+        const double at = x_of(x, mark.x);
+        chart.items.push_back(Line{{{at, top}, {at, height - bottom}}, ink, 1, true});
+        chart.items.push_back(Text{at + 4, top + 12, mark.name});
     }
     for (size_t lane = 0; lane < lanes.size(); lane++) {
-        svg += label_at(left + 4, y_of_lane(lane) - 8, "", lanes[lane]);
-        names += (lane > 0 ? ", " : "") + lanes[lane];
+        chart.items.push_back(Text{left + 4, y_of_lane(lane) - 8, lanes[lane]});
+        chart.title += (lane > 0 ? ", " : "") + lanes[lane];
     }
+    chart.title += " against " + x_label;
     for (const Stretch &stretch : stretches) {
-        const std::string height_text = program::fixed(y_of_lane(stretch.lane), 1);
-        svg += element("polyline stroke-width=\"7\" stroke=\"" +
-                           series_colour(stretch.lane, lanes.size()) + "\" points=\"" +
-                           program::fixed(x_of(x, stretch.begin), 1) + "," + height_text + " " +
-                           program::fixed(x_of(x, stretch.end), 1) + "," + height_text + "\"",
-                       "");
+        const double y = y_of_lane(stretch.lane);
+        chart.items.push_back(Line{{{x_of(x, stretch.begin), y}, {x_of(x, stretch.end), y}},
+                                   series_colour(stretch.lane, lanes.size()),
+                                   7});
     }
-    return drawing(names + " against " + x_label, svg);
+    return chart;
 }
 
-std::string diagonal_chart(const std::string &x_label, double x_end, const std::string &y_label,
-                           double y_end, const std::vector<Point> &points)
+Figure diagonal_chart(const std::string &x_label, double x_end, const std::string &y_label,
+                      double y_end, const std::vector<Point> &points)
 {
     const Axis x = axis_of(x_label, 0, x_end), y = axis_of(y_label, 0, y_end);
-    std::string svg = axes(x, y);
-    svg += line(x_of(x, 0), y_of(y, 0), x_of(x, x_end), y_of(y, y_end));
-    svg += path(points, x, y, "stroke=\"" + series_colour(0, 1) + "\"");
+    const Colour colour = series_colour(0, 1);
+    Figure chart = chart_of(y_label + " against " + x_label);
+    add_x_ticks(x, chart);
+    add_y_ticks(y, chart);
+    chart.items.push_back(Line{{{x_of(x, 0), y_of(y, 0)}, {x_of(x, x_end), y_of(y, y_end)}}, grid});
+    Line joined{{}, colour, 2};
     for (const Point &point : points)
-        svg += whisker({point.y, point.low, point.high, point.label}, x_of(x, point.x), y,
-                       series_colour(0, 1));
-    return drawing(y_label + " against " + x_label, svg);
+        joined.spots.push_back({x_of(x, point.x), y_of(y, point.y)});
+    chart.items.push_back(joined);
+    for (const Point &point : points)
+        add_whisker({point.y, point.low, point.high, point.label}, x_of(x, point.x), y, colour,
+                    chart);
+    return chart;
 }
 
 } // namespace vdna::report

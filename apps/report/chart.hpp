@@ -1,9 +1,11 @@
-// Charts as inline SVG, in the colours of the page.
+// Charts as figures, without a name: axes, and the data in colours by series.
 #pragma once
 
 #include <limits>
 #include <string>
 #include <vector>
+
+#include "report/figure.hpp"
 
 namespace vdna::report
 {
@@ -33,20 +35,31 @@ struct WhiskerGroup {
     std::vector<Whisker> whiskers;
 };
 
+struct Tick {
+    double value;
+    std::string text;
+};
+
+// Round numbers from low to high, at most about `steps` of them.
+std::vector<Tick> ticks_of(double low, double high, double steps = 5);
+
 // The colour of one series among several, for points, curves and the legend.
-std::string series_colour(size_t series, size_t count);
+Colour series_colour(size_t series, size_t count);
+
+// The colours of series, with their names.
+Figure key_figure(const std::vector<std::string> &names);
 
 // y from 0 to y_end.
-std::string scatter_chart(const std::string &x_label, const std::string &y_label, double y_end,
-                          const std::vector<Point> &points, size_t series_count);
+Figure scatter_chart(const std::string &x_label, const std::string &y_label, double y_end,
+                     const std::vector<Point> &points, size_t series_count);
 
 // y from 0 to the highest.
-std::string curve_chart(const std::string &x_label, const std::string &y_label,
-                        const std::vector<Curve> &curves);
+Figure curve_chart(const std::string &x_label, const std::string &y_label,
+                   const std::vector<Curve> &curves);
 
 // y from 0 to y_end.
-std::string whisker_chart(const std::string &y_label, double y_end,
-                          const std::vector<WhiskerGroup> &groups);
+Figure whisker_chart(const std::string &y_label, double y_end,
+                     const std::vector<WhiskerGroup> &groups);
 
 // Something that holds from one x to another, in a lane.
 struct Stretch {
@@ -60,12 +73,11 @@ struct Mark {
 };
 
 // Lanes one below another, each with its name; x from 0 to x_end, with a line at each mark.
-std::string lane_chart(const std::string &x_label, double x_end,
-                       const std::vector<std::string> &lanes, const std::vector<Stretch> &stretches,
-                       const std::vector<Mark> &marks);
+Figure lane_chart(const std::string &x_label, double x_end, const std::vector<std::string> &lanes,
+                  const std::vector<Stretch> &stretches, const std::vector<Mark> &marks);
 
 // Points joined in their order, x from 0 to x_end and y from 0 to y_end, with the diagonal.
-std::string diagonal_chart(const std::string &x_label, double x_end, const std::string &y_label,
-                           double y_end, const std::vector<Point> &points);
+Figure diagonal_chart(const std::string &x_label, double x_end, const std::string &y_label,
+                      double y_end, const std::vector<Point> &points);
 
 } // namespace vdna::report

@@ -14,6 +14,8 @@ namespace vdna::report
 namespace
 {
 
+constexpr double file_width = 600;
+
 std::vector<Point> points_of(const eval::Evaluation &evaluation, const eval::MethodResult &method)
 {
     std::vector<Point> points;
@@ -32,44 +34,55 @@ std::vector<Point> points_of(const eval::Evaluation &evaluation, const eval::Met
     return points;
 }
 
-std::string figure(const eval::Evaluation &evaluation, const eval::MethodResult &method)
+Figure figure_of(const eval::Evaluation &evaluation, const eval::MethodResult &method)
 {
-    const vdna_ranking_metrics &m = method.metrics;
-    return element("figure",
-                   scatter_chart("distance, " + eval::unit_of(method.name), "Recall@1, %", 100,
-                                 points_of(evaluation, method), evaluation.queries.size()) +
-                       element("figcaption",
-                               text_element("b", eval::title_of(method.name)) +
-                                   escaped(": correlation " + number_text(m.pearson_within, 3) +
-                                           " within queries, " + number_text(m.pearson_pooled, 3) +
-                                           " over all (Pearson)")));
+    const eval::JudgedRanking &judged = method.judged;
+    Figure chart = scatter_chart("distance, " + eval::unit_of(method.name), "Recall@1, %", 100,
+                                 points_of(evaluation, method), evaluation.queries.size());
+    chart.name = "distance-recall-" + method.name;
+    chart.caption = eval::title_of(method.name) + ": correlation within queries " +
+                    mean_text(judged.of(&vdna_ranking_metrics::pearson_within), 3) +
+                    ", over all pairs " +
+                    mean_text(judged.of(&vdna_ranking_metrics::pearson_pooled), 3);
+    return chart;
 }
 
-std::string legend(const eval::Evaluation &evaluation)
+std::vector<Figure> charts_of(const eval::Evaluation &evaluation)
 {
-    std::string html;
-    for (size_t q = 0; q < evaluation.queries.size(); q++)
-        html += element(
-            "span class=\"key\"",
-            "<svg viewBox=\"0 0 10 10\" aria-hidden=\"true\"><circle cx=\"5\" cy=\"5\" r=\"5\" "
-            "fill=\"" +
-                series_colour(q, evaluation.queries.size()) + "\"/></svg>" +
-                escaped(name_of(evaluation, evaluation.queries[q].traversal)));
-    return element("p class=\"legend\"", "Query: " + html);
+    std::vector<Figure> figures;
+    for (const eval::MethodResult &method : evaluation.methods)
+        if (!method.distance.empty())
+            figures.push_back(figure_of(evaluation, method));
+    return figures;
+}
+
+Figure key_of(const eval::Evaluation &evaluation)
+{
+    std::vector<std::string> names;
+    for (const eval::QueryResult &query : evaluation.queries)
+        names.push_back(name_of(evaluation, query.traversal));
+    return key_figure(names);
 }
 
 } // namespace
 
+std::vector<Figure> correlation_figures(const eval::Evaluation &evaluation)
+{
+    std::vector<Figure> figures;
+    for (const Figure &chart : charts_of(evaluation))
+        figures.push_back(
+            arranged(chart.name, chart.title, {chart, key_of(evaluation)}, file_width));
+    return figures;
+}
+
 std::string correlation_section(const eval::Evaluation &evaluation)
 {
-    std::string charts;
-    for (const eval::MethodResult &method : evaluation.methods)
-        if (!method.distance.empty())
-            charts += figure(evaluation, method);
+    const Figure key = key_of(evaluation);
     return "<h2>Distance against recall</h2><p>One dot per query and reference; point at a dot to "
-           "see its name. For a good method, the dots lie on a falling line: the smaller the "
-           "distance, the more frames are localised.</p>" +
-           legend(evaluation) + element("div class=\"charts\"", charts);
+           "see its name.</p>" +
+           charts(charts_of(evaluation)) +
+           element("div style=\"width:" + program::fixed(key.width, 0) + "px;max-width:100%\"",
+                   "Query" + svg_element(key));
 }
 
 } // namespace vdna::report

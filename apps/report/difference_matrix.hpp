@@ -9,16 +9,18 @@
 namespace vdna::report
 {
 
-// Throw Error if the matrices would be larger than what is drawn. png: for the error.
+// Throw Error if the matrices would be larger than what is drawn, or if `file` is neither a .png
+// nor a .svg nor a .pdf.
 void require_drawable(const record::Recording &live,
                       const std::vector<const vdna_experience *> &experiences,
-                      const std::string &png);
+                      const std::string &file);
 
-// Draw the difference matrices of several experiences side by side into a PNG file: live frames
-// downwards, map frames to the right, near = black, far = white on one scale for all. The nearest
-// frames are dotted in blue if they are good and in orange otherwise, and with_filter over them
-// those of the place filter, smaller, in green or red. followed: with distances. Throws Error.
-void draw_difference_matrices(const std::vector<record::Followed> &followed, bool with_filter,
-                              const std::string &png);
+// Draw the difference matrices of several experiences into a PNG, SVG or PDF file, by its ending:
+// the most recall first, or where that is unknown the nearest on average. The matches are the
+// nearest frames, or with_filter those of the place filter with the nearest frames small below
+// them. followed: with distances. Throws Error.
+void draw_difference_matrices(const record::Recording &live,
+                              const std::vector<record::Followed> &followed, bool with_filter,
+                              const std::string &file);
 
 } // namespace vdna::report

@@ -7,13 +7,18 @@
 namespace vdna::report
 {
 
-std::string escaped(const std::string &text)
+std::string valid_utf8(const std::string &text)
 {
-    // File names may be any bytes; JSON replaces invalid UTF-8.
+    // JSON replaces what is invalid.
     const std::string json =
         program::Json(text).dump(-1, ' ', false, program::Json::error_handler_t::replace);
+    return program::Json::parse(json).get<std::string>();
+}
+
+std::string escaped(const std::string &text)
+{
     std::string html;
-    for (const char c : program::Json::parse(json).get<std::string>()) {
+    for (const char c : valid_utf8(text)) {
         switch (c) {
         case '&':
             html += "&amp;";
@@ -31,7 +36,10 @@ std::string escaped(const std::string &text)
             html += "&#39;";
             break;
         default:
-            html += c;
+            // XML has no control characters but these.
+            html += static_cast<unsigned char>(c) >= ' ' || c == '\n' || c == '\t'
+                        ? std::string(1, c)
+                        : "\ufffd";
         }
     }
     return html;
@@ -51,7 +59,7 @@ std::string table(const std::string &caption_html, const std::string &head_html,
                   const std::string &body_html)
 {
     // Focusable, so that the keyboard can scroll it.
-    return element("div class=\"scroll\" tabindex=\"0\"",
+    return element("div class=\"scroll\" role=\"region\" aria-label=\"Table\" tabindex=\"0\"",
                    element("table", element("caption", element("span", caption_html)) +
                                         element("thead", head_html) +
                                         element("tbody", body_html))) +

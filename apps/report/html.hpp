@@ -6,7 +6,11 @@
 namespace vdna::report
 {
 
-// For content and for attributes in double quotes; invalid UTF-8 is replaced.
+// Invalid UTF-8 is replaced: file names may be any bytes.
+std::string valid_utf8(const std::string &text);
+
+// For content and for attributes in double quotes. Invalid UTF-8 and control characters are
+// replaced.
 std::string escaped(const std::string &text);
 
 // tag: with its attributes, "td class=\"off1\"".

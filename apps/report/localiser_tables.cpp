@@ -125,14 +125,6 @@ std::vector<LocaliserRow> localiser_rows(const eval::Evaluation &evaluation)
     return rows;
 }
 
-std::string mean_text(const eval::Mean &mean)
-{
-    return percent_text(mean.value) +
-           (std::isnan(mean.low)
-                ? ""
-                : " (" + program::fixed(mean.low, 2) + " to " + program::fixed(mean.high, 2) + ")");
-}
-
 const std::vector<std::string> drive_heads = {
     "drive", "localiser",   "references", "Recall@1/%",
     "AUROC", "precision/%", "kept/%",     "answered off route/%",

@@ -37,12 +37,12 @@ std::string means_table(const eval::Evaluation &evaluation)
             "tr", text_element("th scope=\"row\"", eval::localiser_of(result.name).title) +
                       text_element("td", result.name) + number_cell(mean_text(result.mean.recall)) +
                       number_cell(mean_text(result.chosen.recall)));
-    return table("Localisers: Recall@1 in %, mean over queries",
+    return table("Localisers: Recall@1 in %, mean over queries, with 95 % intervals",
                  head_of({"Localiser", "Name", "Mean over references", "In the first choice"}),
                  body);
 }
 
-std::string means_chart(const eval::Evaluation &evaluation)
+Figure means_chart(const eval::Evaluation &evaluation)
 {
     std::vector<WhiskerGroup> groups;
     for (const eval::LocaliserResult &result : evaluation.localisers) {
@@ -54,10 +54,11 @@ std::string means_chart(const eval::Evaluation &evaluation)
                           {whisker(result.mean.recall, "mean over references"),
                            whisker(result.chosen.recall, "in the first choice")}});
     }
-    return element("figure",
-                   whisker_chart("Recall@1, %", 100, groups) +
-                       "<figcaption>Left: mean over references. Right: in the reference that "
-                       "Visual DNA chooses first. Lines: 95 % intervals.</figcaption>");
+    Figure chart = whisker_chart("Recall@1, %", 100, groups);
+    chart.name = "localisers";
+    chart.caption = "Left: mean over references. Right: in the reference that Visual DNA chooses "
+                    "first. Lines: 95 % intervals.";
+    return chart;
 }
 
 std::string recall_table(const eval::Evaluation &evaluation)
@@ -77,7 +78,7 @@ std::string recall_table(const eval::Evaluation &evaluation)
                     table("Recall@1 in % by localiser", head_of(titles), body));
 }
 
-std::string reliability_figure(const eval::LocaliserResult &result)
+Figure reliability_chart(const eval::LocaliserResult &result)
 {
     const eval::ConfidenceMetrics &metrics = *result.mean.confidence;
     std::vector<Point> points;
@@ -87,12 +88,21 @@ std::string reliability_figure(const eval::LocaliserResult &result)
                               std::to_string(bin.answers) + " answers, mean confidence " +
                                   number_text(bin.confidence, 3) + ", " +
                                   number_text(bin.good_percent, 1) + " % good"});
-    return element(
-        "figure",
-        diagonal_chart("confidence", 1, "good answers, %", 100, points) +
-            element("figcaption", text_element("b", eval::localiser_of(result.name).title) +
-                                      escaped(": AUROC " + number_text(metrics.auroc, 3) + ", " +
-                                              std::to_string(metrics.answers) + " answers")));
+    Figure chart = diagonal_chart("confidence", 1, "good answers, %", 100, points);
+    chart.name = "confidence-" + result.name;
+    chart.caption = std::string(eval::localiser_of(result.name).title) + ": AUROC " +
+                    number_text(metrics.auroc, 3) + ", " + std::to_string(metrics.answers) +
+                    " answers";
+    return chart;
+}
+
+std::vector<Figure> reliability_charts(const eval::Evaluation &evaluation)
+{
+    std::vector<Figure> figures;
+    for (const eval::LocaliserResult &result : evaluation.localisers)
+        if (result.mean.confidence)
+            figures.push_back(reliability_chart(result));
+    return figures;
 }
 
 std::string threshold_table(const eval::LocaliserResult &result)
@@ -110,18 +120,14 @@ std::string threshold_table(const eval::LocaliserResult &result)
 
 std::string confidences(const eval::Evaluation &evaluation)
 {
-    std::string figures, tables;
-    for (const eval::LocaliserResult &result : evaluation.localisers)
-        if (result.mean.confidence) {
-            figures += reliability_figure(result);
-            tables += threshold_table(result);
-        }
+    const std::vector<Figure> figures = reliability_charts(evaluation);
     if (figures.empty())
         return "";
-    return "<h3>Confidence</h3><p>Answers in ten bins of confidence, over all queries; on the "
-           "diagonal, answers are right as often as their confidence says. <b>AUROC</b> is the "
-           "chance that a right answer is more confident than a wrong one.</p>" +
-           element("div class=\"charts\"", figures) + tables;
+    std::string tables;
+    for (const eval::LocaliserResult &result : evaluation.localisers)
+        if (result.mean.confidence)
+            tables += threshold_table(result);
+    return "<h3>Confidence</h3>" + charts(figures) + tables;
 }
 
 std::string drives(const eval::Evaluation &evaluation)
@@ -139,20 +145,23 @@ std::string drives(const eval::Evaluation &evaluation)
     }
     for (const eval::DriveKind &kind : eval::drive_kinds)
         list += text_element("dt", kind.key) + text_element("dd", kind.title);
-    return "<h3>Disturbed drives</h3><p>Recall@1 counts the frames on the route. Precision, right "
-           "answers kept, and frames answered off the route are at a confidence of at least " +
-           number_text(eval::usual_min_confidence, 2) + ".</p>" + element("dl", list) +
-           table("Localisers by drive", head_of(drive_heads), body);
+    return "<h3>Disturbed drives</h3>" + table("Localisers by drive", head_of(drive_heads), body) +
+           element("dl", list);
 }
 
 } // namespace
 
+std::vector<Figure> localiser_figures(const eval::Evaluation &evaluation)
+{
+    std::vector<Figure> figures = reliability_charts(evaluation);
+    figures.insert(figures.begin(), means_chart(evaluation));
+    return figures;
+}
+
 std::string localisers_section(const eval::Evaluation &evaluation)
 {
-    return "<h2>How well each localiser finds the place</h2><p>A localiser finds the place of each "
-           "live frame in a map: one reference, or all of them at once. In brackets, the 95 % "
-           "interval over queries.</p>" +
-           means_table(evaluation) + element("div class=\"charts\"", means_chart(evaluation)) +
+    return "<h2>How well each localiser finds the place</h2>" + charts({means_chart(evaluation)}) +
+           means_table(evaluation) +
            (beyond_usual_localisers(evaluation).empty() ? "" : recall_table(evaluation)) +
            confidences(evaluation) + drives(evaluation);
 }

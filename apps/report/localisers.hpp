@@ -19,9 +19,6 @@ struct LocaliserRow {
 // For each query: its references in their order, then "all".
 std::vector<LocaliserRow> localiser_rows(const eval::Evaluation &evaluation);
 
-// "54.21 (50.10 to 58.30)", without the interval if there is none.
-std::string mean_text(const eval::Mean &mean);
-
 // Indices of the localisers whose recalls the other tables do not have.
 std::vector<size_t> beyond_usual_localisers(const eval::Evaluation &evaluation);
 

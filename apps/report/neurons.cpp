@@ -22,19 +22,12 @@ struct Extremes {
     const eval::PairResult *near, *far;
 };
 
-const eval::PairResult *pair_with(const eval::QueryResult &query, size_t reference)
-{
-    return &*std::find_if(
-        query.pairs.begin(), query.pairs.end(),
-        [&](const eval::PairResult &pair) { return pair.reference == reference; });
-}
-
 Extremes extremes_of(const eval::Evaluation &evaluation, size_t query)
 {
     const std::vector<eval::Place> places =
         eval::predicted_places(evaluation, query, evaluation.methods.front());
-    return {pair_with(evaluation.queries[query], places.front().reference),
-            pair_with(evaluation.queries[query], places.back().reference)};
+    return {&eval::pair_with(evaluation.queries[query], places.front().reference),
+            &eval::pair_with(evaluation.queries[query], places.back().reference)};
 }
 
 Curve curve_of(const eval::Evaluation &evaluation, const eval::PairResult &pair)
@@ -44,20 +37,16 @@ Curve curve_of(const eval::Evaluation &evaluation, const eval::PairResult &pair)
     return curve;
 }
 
-std::string chart_of(const eval::Evaluation &evaluation, const Extremes &extremes)
+Figure chart_of(const eval::Evaluation &evaluation, size_t query)
 {
-    const auto key = [&](const eval::PairResult &pair, size_t series) {
-        return element("span class=\"key\"",
-                       "<svg viewBox=\"0 0 10 10\" aria-hidden=\"true\"><rect y=\"3\" "
-                       "width=\"10\" height=\"4\" fill=\"" +
-                           series_colour(series, 2) + "\"/></svg>" +
-                           escaped(name_of(evaluation, pair.reference)));
-    };
-    return element("figure", curve_chart("neurons, largest contribution first", "EMD, bins",
-                                         {curve_of(evaluation, *extremes.near),
-                                          curve_of(evaluation, *extremes.far)}) +
-                                 element("figcaption", "nearest " + key(*extremes.near, 0) +
-                                                           " farthest " + key(*extremes.far, 1)));
+    const Extremes extremes = extremes_of(evaluation, query);
+    const Figure chart =
+        curve_chart("neurons, largest contribution first", "EMD, bins",
+                    {curve_of(evaluation, *extremes.near), curve_of(evaluation, *extremes.far)});
+    const Figure key = key_figure({"nearest: " + name_of(evaluation, extremes.near->reference),
+                                   "farthest: " + name_of(evaluation, extremes.far->reference)});
+    return arranged("neurons-" + name_of(evaluation, evaluation.queries[query].traversal),
+                    chart.title, {chart, key}, chart.width);
 }
 
 // A number with a bar of proportional length.
@@ -104,23 +93,23 @@ std::string table_of(const eval::Evaluation &evaluation, const Extremes &extreme
 
 } // namespace
 
+std::vector<Figure> neuron_figures(const eval::Evaluation &evaluation)
+{
+    std::vector<Figure> figures;
+    for (size_t q = 0; q < std::min(evaluation.queries.size(), shown_most); q++)
+        figures.push_back(chart_of(evaluation, q));
+    return figures;
+}
+
 std::string neurons_section(const eval::Evaluation &evaluation)
 {
-    std::string html =
-        "<h2>Contributions of single neurons</h2><p>The distance of Visual DNA is the mean of one "
-        "Earth Mover's Distance (EMD) per neuron: the mean number of histogram bins, of " +
-        std::to_string(evaluation.bins) +
-        ", by which its activations in the warmup must move to match those of the "
-        "reference. This section shows the nearest and the farthest reference of each query.</p>";
+    std::string html = "<h2>Contributions of single neurons</h2>";
     const size_t shown = std::min(evaluation.queries.size(), shown_most);
-    for (size_t q = 0; q < shown; q++) {
-        const Extremes extremes = extremes_of(evaluation, q);
+    for (size_t q = 0; q < shown; q++)
         html += foldable(
             "Query " + text_element("b", name_of(evaluation, evaluation.queries[q].traversal)),
             q == 0,
-            element("div class=\"charts\"", chart_of(evaluation, extremes) +
-                                                element("div", table_of(evaluation, extremes))));
-    }
+            charts({chart_of(evaluation, q)}) + table_of(evaluation, extremes_of(evaluation, q)));
     return html;
 }
 

@@ -8,12 +8,12 @@ constexpr const char *page_style = R"(
 :root {
   color-scheme: light dark;
   --ink: #1c2127; --faint: #5b6570; --paper: #fff; --shade: #f2f4f7; --line: #d4d9df;
-  --one: #ffdfad; --more: #ffc2bb; --right: #1a7f4b; --wrong: #c0342b; --bar: #5b8def;
+  --one: #ffdfad; --more: #ffc2bb; --bar: #5b8def;
 }
 @media (prefers-color-scheme: dark) {
   :root {
     --ink: #e6e9ed; --faint: #a0a9b4; --paper: #14171b; --shade: #1f242a; --line: #3a424c;
-    --one: #6b4700; --more: #7a211b; --right: #5fce94; --wrong: #ff8f87; --bar: #4f7fd8;
+    --one: #6b4700; --more: #7a211b; --bar: #4f7fd8;
   }
 }
 * { box-sizing: border-box; }
@@ -32,7 +32,16 @@ p { max-width: 46rem; margin: .5rem 0; }
   font-size: 1.15rem; padding: .75rem 1rem; background: var(--shade);
   border-left: 4px solid var(--bar);
 }
-.scroll { overflow-x: auto; margin: 1rem 0; }
+.scroll {
+  display: flex; overflow-x: auto; margin: 1rem 0; scrollbar-width: thin;
+  scrollbar-color: var(--faint) var(--shade);
+}
+/* Fades out what goes on to the right; over the blank end of a table it is not seen. */
+.scroll::after {
+  content: ""; position: sticky; right: 0; flex: 0 0 2.5rem; pointer-events: none;
+  background: linear-gradient(to right, transparent, var(--paper) 85%);
+}
+.scroll:focus-visible { outline: 2px solid var(--bar); outline-offset: 2px; }
 table {
   border-collapse: collapse; font-size: .875rem; font-variant-numeric: tabular-nums;
   overflow-wrap: normal;
@@ -44,41 +53,35 @@ th, td {
   border-bottom: 1px solid var(--line);
 }
 thead th { border-bottom: 2px solid var(--line); vertical-align: bottom; }
-tbody th { font-weight: 500; position: sticky; left: 0; background: var(--paper); }
+tbody th { font-weight: 500; position: sticky; left: 0; background: var(--paper);
+  box-shadow: 1px 0 var(--line); z-index: 1;
+}
 .number { text-align: right; }
+small { color: var(--faint); font-weight: 400; }
 .ours, .ours th { background: var(--shade); font-weight: 600; }
 .one { background: var(--one); }
 .more { background: var(--more); }
 .legend span.one, .legend span.more { padding: .1rem .4rem; border-radius: .2rem; }
-.key { display: inline-block; max-width: 100%; margin-right: .9em; }
-.key svg { width: .7em; height: .7em; margin-right: .35em; }
 details { border: 1px solid var(--line); border-radius: .4rem; margin: .6rem 0; padding: 0 .8rem; }
 summary { cursor: pointer; padding: .5rem 0; }
 figure { margin: 0; }
 figcaption { font-size: .875rem; color: var(--faint); }
 figcaption b { color: var(--ink); }
 .matrices, .matches { display: flex; flex-wrap: wrap; gap: 1rem; padding: .4rem 0 1rem; }
-.shades {
-  display: block; width: 100%; height: auto; margin-bottom: 4px; border: 1px solid var(--line);
-  image-rendering: pixelated;
-}
-.matrices figure { width: 220px; max-width: calc(50% - .5rem); }
+.panel { max-width: 100%; }
+svg { display: block; width: 100%; height: auto; font-family: inherit; }
 .charts {
   display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr));
   gap: 1.5rem; margin: 1rem 0;
 }
 .charts > * { min-width: 0; }
-.charts svg { display: block; width: 100%; max-width: 34rem; }
-.charts .key svg, .charts svg.bar { display: inline-block; width: .7em; }
-.charts svg.bar { width: 5rem; height: .6rem; margin-left: .6rem; }
-svg text { font-size: 11px; fill: var(--faint); }
-svg line { stroke: var(--line); }
+.charts svg { max-width: 34rem; }
+svg.bar { display: inline-block; width: 5rem; height: .6rem; margin-left: .6rem; }
 .bar rect { fill: var(--bar); }
-circle { fill-opacity: .8; }
 .pair { display: flex; gap: 4px; }
 .pair > * { width: 160px; max-width: calc(50% - 2px); height: auto; display: block; }
-.matches figure { border-top: 3px solid var(--right); padding-top: 4px; max-width: 324px; }
-.matches figure.wrong { border-top: 3px dashed var(--wrong); }
+.matches figure { border-top: 3px solid #009e73; padding-top: 4px; max-width: 324px; }
+.matches figure.wrong { border-top: 3px dashed #d55e00; }
 .gone {
   padding: 1rem .5rem; font-size: .8rem; color: var(--faint); border: 1px dashed var(--line);
 }

@@ -11,7 +11,6 @@
 #include "frames/camera_image.hpp"
 #include "frames/picture_list.hpp"
 #include "frames/source.hpp"
-#include "report/html.hpp"
 
 namespace vdna::report
 {
@@ -21,30 +20,6 @@ namespace
 
 constexpr int photo_width = 160; // pixels
 constexpr int photo_quality = 70;
-
-std::string base64(const std::vector<uint8_t> &bytes)
-{
-    const char *digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (size_t i = 0; i < bytes.size(); i += 3) {
-        const size_t left = std::min<size_t>(bytes.size() - i, 3);
-        uint32_t three = 0;
-        for (size_t j = 0; j < 3; j++)
-            three = three << 8 | (j < left ? bytes[i + j] : 0u);
-        for (size_t j = 0; j < 4; j++)
-            text += j <= left ? digits[three >> (18 - 6 * j) & 63] : '=';
-    }
-    return text;
-}
-
-std::string image_element(const std::string &kind, const cv::Mat &pixels,
-                          const std::vector<uint8_t> &bytes, const std::string &text)
-{
-    return "<img class=\"" + kind + "\" width=\"" + std::to_string(pixels.cols) + "\" height=\"" +
-           std::to_string(pixels.rows) + "\" alt=\"" + escaped(text) + "\" src=\"data:image/" +
-           (kind == "photo" ? "jpeg" : "png") + ";base64," + base64(bytes) + "\">";
-}
 
 struct CloseDecoder {
     void operator()(vdna_decoder *decoder) const { vdna_decoder_close(decoder); }
@@ -76,7 +51,7 @@ cv::Mat read_pixels(const std::filesystem::path &file)
 
 } // namespace
 
-std::string shades_picture(const Shades &shades, int side, const std::string &text)
+Encoded shades_png(const Shades &shades, int side)
 {
     cv::Mat grey(static_cast<int>(shades.rows), static_cast<int>(shades.columns), CV_8UC1);
     const double scale = 255 / (shades.white - shades.black);
@@ -88,22 +63,22 @@ std::string shades_picture(const Shades &shades, int side, const std::string &te
         }
     cv::resize(grey, grey, {std::min(grey.cols, side), std::min(grey.rows, side)}, 0, 0,
                cv::INTER_AREA);
-    std::vector<uint8_t> bytes;
-    cv::imencode(".png", grey, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9});
-    return image_element("shades", grey, bytes, text);
+    Encoded picture{{}, grey.cols, grey.rows};
+    cv::imencode(".png", grey, picture.bytes, {cv::IMWRITE_PNG_COMPRESSION, 9});
+    return picture;
 }
 
-std::string photo(const std::filesystem::path &file, const std::string &text)
+Encoded photo_jpeg(const std::filesystem::path &file)
 {
     cv::Mat pixels = read_pixels(file);
     if (pixels.empty())
-        return element("span class=\"gone\"", "this picture cannot be read any more");
+        return {};
     const int width = std::min(pixels.cols, photo_width);
     const int height = std::max(pixels.rows * width / pixels.cols, 1);
     cv::resize(pixels, pixels, {width, height}, 0, 0, cv::INTER_AREA);
-    std::vector<uint8_t> bytes;
-    cv::imencode(".jpg", pixels, bytes, {cv::IMWRITE_JPEG_QUALITY, photo_quality});
-    return image_element("photo", pixels, bytes, text);
+    Encoded picture{{}, width, height};
+    cv::imencode(".jpg", pixels, picture.bytes, {cv::IMWRITE_JPEG_QUALITY, photo_quality});
+    return picture;
 }
 
 } // namespace vdna::report

@@ -1,4 +1,4 @@
-// Pictures in the page: <img> elements with data: URIs.
+// Pictures in the report, as bytes of picture files.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,15 @@ struct Shades {
     double black, white;       // the values shown as black and white; black < white
 };
 
-// text: alternative text that describes the picture.
-// side: the largest width and height in pixels; larger tables are averaged down.
-std::string shades_picture(const Shades &shades, int side, const std::string &text);
+struct Encoded {
+    std::vector<uint8_t> bytes; // empty if there is no picture
+    int columns = 0, rows = 0;  // pixels
+};
 
-// A small JPEG of a picture file, or a sentence that the file can no longer be read.
-std::string photo(const std::filesystem::path &file, const std::string &text);
+// A grey PNG. side: the largest width and height in pixels; larger tables are averaged down.
+Encoded shades_png(const Shades &shades, int side);
+
+// A small JPEG of a picture file; empty if the file can no longer be read.
+Encoded photo_jpeg(const std::filesystem::path &file);
 
 } // namespace vdna::report

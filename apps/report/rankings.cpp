@@ -84,9 +84,7 @@ std::string method_table(const eval::Evaluation &evaluation, const eval::MethodR
 std::string rankings_section(const eval::Evaluation &evaluation)
 {
     std::string html =
-        "<h2>Rankings</h2><p>Each column lists the references of a query from best to worst. The "
-        "first table is the ground truth, with the recall in all references at once beside the "
-        "query's name; the others are the predictions of each method from the warmup alone.</p>"
+        "<h2>Rankings</h2>"
         "<p class=\"legend\"><span class=\"one\">orange <b>\u21951</b></span> one rank away from "
         "its true place; <span class=\"more\">red <b>\u21952</b></span> two or more.</p>" +
         true_table(evaluation);

@@ -1,6 +1,7 @@
 #include "report/report.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <vdna/version.h>
 
@@ -16,36 +17,39 @@ namespace vdna::report
 namespace
 {
 
+// " (95 % interval over 8 queries: 0.40 to 2.10)", or "" if there is none.
+std::string interval_text(const eval::Mean &mean, const std::string &words)
+{
+    if (std::isnan(mean.low))
+        return "";
+    return " (" + words + number_text(mean.low, 2) + " to " + number_text(mean.high, 2) + ")";
+}
+
 // The main result in one sentence.
 std::string result_of(const eval::Evaluation &evaluation)
 {
-    const vdna_ranking_metrics &ours = evaluation.methods.front().metrics;
-    const vdna_ranking_metrics &chance = evaluation.methods.back().metrics;
-    if (ours.queries == 0)
-        return left_out_text(ours);
-    return "Ranking the references by Visual DNA costs " +
-           number_text(ours.ranking_error_swap_once, 2) +
-           " percentage points of recall on average (the paper's ranking error; by chance " +
-           number_text(chance.ranking_error_swap_once, 2) +
-           "), and localising in its first choice instead of the best one costs " +
-           number_text(ours.regret, 2) + " (by chance " + number_text(chance.regret, 2) + ").";
+    const eval::JudgedRanking &judged = evaluation.methods.front().judged;
+    if (judged.metrics.queries == 0)
+        return left_out_text(judged.metrics);
+    const eval::Mean ours = judged.of(&vdna_ranking_metrics::regret);
+    const eval::Mean chance = evaluation.methods.back().judged.of(&vdna_ranking_metrics::regret);
+    return "Localising in the reference that Visual DNA chooses, instead of the best one, costs " +
+           number_text(ours.value, 2) + " percentage points of Recall@1" +
+           interval_text(ours, "95 % interval over " + std::to_string(judged.metrics.queries) +
+                                   " queries: ") +
+           "; choosing by chance costs " + number_text(chance.value, 2) +
+           interval_text(chance, "") + ".";
 }
 
 std::string headline(const eval::Evaluation &evaluation)
 {
     return text_element("h1", "Experience selection on " + evaluation.dataset) +
+           text_element("p class=\"result\"", result_of(evaluation)) +
            text_element("p class=\"facts\"",
                         evaluation.backbone.identity.backbone + std::string(", ") +
                             warmup_text(evaluation) + ", " + tolerance_text(evaluation) + "; " +
                             std::to_string(evaluation.queries.size()) + " queries, " +
-                            std::to_string(evaluation.references.size()) + " references") +
-           text_element("p class=\"result\"", result_of(evaluation)) +
-           "<p>A robot has driven the same route several times, in different conditions: these "
-           "are its <i>references</i>. It drives again: this is the <i>query</i>. Which reference "
-           "is the best map for this drive? Each method answers from the first frames of the "
-           "query alone, the <i>warmup</i>. Then the remaining frames are localised in every "
-           "reference, and <i>Recall@1</i>, the share of frames found at the right place, gives "
-           "the best answer.</p>";
+                            std::to_string(evaluation.references.size()) + " references");
 }
 
 // Sections with a part for each query show only the first of many queries.
@@ -53,7 +57,7 @@ std::string omission(const eval::Evaluation &evaluation)
 {
     if (std::max(evaluation.queries.size(), evaluation.references.size()) <= shown_most)
         return "";
-    return text_element("p", "Below, the first " + std::to_string(shown_most) +
+    return text_element("p", "In parts for each query, the first " + std::to_string(shown_most) +
                                  " queries and references are shown.");
 }
 
@@ -71,7 +75,8 @@ std::string frames_table(const eval::Evaluation &evaluation)
                                    std::to_string(query.live.size() - query.all.judged)) +
                       text_element("td class=\"number\"", std::to_string(recording.account.bad)));
     }
-    return table("Frames",
+    return "<h2>Frames</h2>" +
+           table("Frames of each query",
                  "<tr><th scope=\"col\">Query</th><th scope=\"col\">All</th><th scope=\"col\">"
                  "Warmup</th><th scope=\"col\">Localised</th><th scope=\"col\">Without truth</th>"
                  "<th scope=\"col\">Unusable</th></tr>",
@@ -97,7 +102,7 @@ std::string making_section(const eval::Evaluation &evaluation, const std::string
                                                   " frames after the warmup");
     add("Frames", std::to_string(evaluation.computed) + " computed, " +
                       std::to_string(evaluation.cached) + " from the cache");
-    return "<h2>How this was made</h2>" + element("dl", list) + frames_table(evaluation);
+    return "<h2>How this was made</h2>" + element("dl", list);
 }
 
 } // namespace
@@ -113,12 +118,14 @@ std::string report_of(const eval::Evaluation &evaluation,
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" +
         text_element("title", "Experience selection on " + evaluation.dataset) + "\n" +
         element("style", page_style);
-    const std::string body = headline(evaluation) + averages_section(evaluation) +
+    // The answer, then pictures, then tables, then words.
+    const std::string body = headline(evaluation) + omission(evaluation) +
+                             matches_section(evaluation) + matrices_section(evaluation) +
+                             correlation_section(evaluation) + averages_section(evaluation) +
                              rankings_section(evaluation) + localisers_section(evaluation) +
                              trust_section(evaluation) + reselection_section(evaluation) +
-                             omission(evaluation) + matrices_section(evaluation) +
-                             correlation_section(evaluation) + matches_section(evaluation) +
                              neurons_section(evaluation) + ablations_section(ablations) +
+                             frames_table(evaluation) + words_section(evaluation) +
                              making_section(evaluation, command_line);
     return "<!DOCTYPE html>\n" +
            element("html lang=\"en\"",

@@ -5,8 +5,8 @@
 #include "program/text_table.hpp"
 #include "report/chart.hpp"
 #include "report/html.hpp"
-#include "report/localisers.hpp"
 #include "report/sections.hpp"
+#include "report/wording.hpp"
 
 namespace vdna::report
 {
@@ -71,18 +71,17 @@ std::vector<Mark> marks_of(const eval::ReselectionResult &drive)
 }
 
 // The choice over time.
-std::string figure_of(const eval::Evaluation &evaluation, const eval::ReselectionResult &drive)
+Figure figure_of(const eval::Evaluation &evaluation, const eval::ReselectionResult &drive)
 {
     std::vector<size_t> lanes;
     const std::vector<Stretch> stretches = stretches_of(drive, lanes);
-    return element(
-        "figure", lane_chart("frames after the warmup", drive.changes.back(),
-                             names_of(evaluation, lanes), stretches, marks_of(drive)) +
-                      text_element("figcaption", drive.drive + ": Recall@1 choosing again " +
-                                                     program::fixed(drive.again, 2) + " %, never " +
-                                                     program::fixed(drive.never, 2) +
-                                                     " %, in the best in hindsight " +
-                                                     program::fixed(drive.best, 2) + " %"));
+    Figure chart = lane_chart("frames after the warmup", drive.changes.back(),
+                              names_of(evaluation, lanes), stretches, marks_of(drive));
+    chart.name = "reselection-" + drive.drive;
+    chart.caption = drive.drive + ": Recall@1 choosing again " + program::fixed(drive.again, 2) +
+                    " %, never " + program::fixed(drive.never, 2) +
+                    " %, in the best in hindsight " + program::fixed(drive.best, 2) + " %";
+    return chart;
 }
 
 } // namespace
@@ -121,17 +120,23 @@ program::Json reselection_json(const eval::Evaluation &evaluation)
     return json;
 }
 
+std::vector<Figure> reselection_figures(const eval::Evaluation &evaluation)
+{
+    std::vector<Figure> figures;
+    if (evaluation.reselection)
+        for (const eval::ReselectionResult &drive : evaluation.reselection->drives)
+            figures.push_back(figure_of(evaluation, drive));
+    return figures;
+}
+
 std::string reselection_section(const eval::Evaluation &evaluation)
 {
     if (!evaluation.reselection)
         return "";
-    std::string figures;
-    for (const eval::ReselectionResult &drive : evaluation.reselection->drives)
-        figures += figure_of(evaluation, drive);
     return "<h2>Choosing again while driving</h2><p>The choice over time. Dashed lines: the drive "
            "goes on in another traversal. Choosing again gains " +
            escaped(mean_text(evaluation.reselection->gain)) + " points of Recall@1.</p>" +
-           element("div class=\"charts\"", figures);
+           charts(reselection_figures(evaluation));
 }
 
 } // namespace vdna::report

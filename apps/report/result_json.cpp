@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "eval/placing.hpp"
+#include "report/csv_field.hpp"
 #include "report/localisers.hpp"
 #include "report/reselection.hpp"
 #include "report/trust.hpp"
@@ -18,7 +19,7 @@ program::Json methods_of(const std::vector<eval::MethodResult> &methods)
 {
     program::Json json = program::Json::object();
     for (const eval::MethodResult &method : methods)
-        json[method.name] = json_of(method.metrics);
+        json[method.name] = json_of(method.judged);
     return json;
 }
 
@@ -98,23 +99,12 @@ program::Json queries_that_rank_nothing(const eval::Evaluation &evaluation)
     return names;
 }
 
-// A name as a CSV field.
-std::string quoted(const std::string &text)
-{
-    if (text.find_first_of(",\"\r\n") == std::string::npos)
-        return text;
-    std::string field = "\"";
-    for (const char c : text)
-        field += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return field + "\"";
-}
-
 std::string csv_row(const std::string &query, const std::string &reference,
                     const eval::Outcome &outcome)
 {
-    return quoted(query) + "," + quoted(reference) + "," + program::Json(outcome.recall[0]).dump() +
-           "," + std::to_string(outcome.good) + "," + std::to_string(outcome.judged) + "," +
-           std::to_string(outcome.unreachable);
+    return csv_field(query) + "," + csv_field(reference) + "," +
+           program::Json(outcome.recall[0]).dump() + "," + std::to_string(outcome.good) + "," +
+           std::to_string(outcome.judged) + "," + std::to_string(outcome.unreachable);
 }
 
 // Of those localisers whose recalls are not in the column recall_percent.
@@ -136,22 +126,22 @@ std::string prediction_columns(const eval::TrustPair &pair)
 
 std::string end_of_row(const eval::Outcome &outcome, const std::string &note)
 {
-    return "," + std::to_string(outcome.matches.size() - outcome.judged) + "," + quoted(note) +
+    return "," + std::to_string(outcome.matches.size() - outcome.judged) + "," + csv_field(note) +
            "\n";
 }
 
 } // namespace
 
-program::Json json_of(const vdna_ranking_metrics &m)
+program::Json json_of(const eval::JudgedRanking &judged)
 {
-    return {{"ranking_error_swap_once", m.ranking_error_swap_once},
-            {"ranking_error_half_l1", m.ranking_error_half_l1},
-            {"regret", m.regret},
-            {"kendall_tau", m.kendall_tau},
-            {"pearson_within", m.pearson_within},
-            {"spearman_within", m.spearman_within},
-            {"pearson_pooled", m.pearson_pooled},
-            {"spearman_pooled", m.spearman_pooled}};
+    program::Json json, intervals;
+    for (const eval::RankingMetric &metric : eval::ranking_metrics) {
+        const eval::Mean mean = judged.of(metric.value);
+        json[metric.key] = mean.value;
+        intervals[metric.key] = {mean.low, mean.high};
+    }
+    json["intervals"] = intervals;
+    return json;
 }
 
 program::Json json_of(const eval::Evaluation &evaluation,
@@ -175,7 +165,7 @@ program::Json json_of(const eval::Evaluation &evaluation,
         {"queries", names_of_queries(evaluation)},
         {"frames", frames_of(evaluation)},
         {"methods", methods_of(evaluation.methods)},
-        {"note", left_out_text(evaluation.methods.front().metrics)},
+        {"note", left_out_text(evaluation.methods.front().judged.metrics)},
         {"queries_that_rank_nothing", queries_that_rank_nothing(evaluation)},
         {"recall", outcomes_of(evaluation, [](const eval::Outcome &o) { return o.recall[0]; })}};
     for (size_t i = 1; i < eval::recall_depths.size(); i++)
@@ -205,9 +195,9 @@ std::string csv_of(const eval::Evaluation &evaluation)
     std::string csv = "query,reference,recall_percent,good,total,unreachable";
     for (const eval::MethodResult &method : evaluation.methods)
         if (!method.distance.empty())
-            csv += "," + quoted("distance_" + method.name);
+            csv += "," + csv_field("distance_" + method.name);
     for (const size_t i : beyond_usual_localisers(evaluation))
-        csv += "," + quoted("recall_percent_" + evaluation.localisers[i].name);
+        csv += "," + csv_field("recall_percent_" + evaluation.localisers[i].name);
     for (size_t i = 0; evaluation.trust && i < prediction_heads.size(); i++)
         csv += "," + prediction_heads[i] + "_percent";
     csv += ",without_truth,note\n";

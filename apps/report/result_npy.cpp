@@ -1,12 +1,11 @@
 #include "report/result_npy.hpp"
 
-#include <algorithm>
 #include <set>
-#include <string_view>
 
 #include "program/print.hpp"
 #include "program/progress.hpp"
 #include "program/replaced_file.hpp"
+#include "report/file_names.hpp"
 #include "report/npy.hpp"
 
 namespace vdna::report
@@ -22,10 +21,10 @@ class NpyFiles
     NpyFiles(const eval::Evaluation &evaluation, const std::string &directory)
         : evaluation_(evaluation), directory_(directory)
     {
-        std::error_code failure;
-        std::filesystem::create_directories(directory, failure);
-        if (failure)
-            throw Error(directory + ": cannot make this directory: " + failure.message());
+        program::make_directory(directory);
+        FileNames names;
+        for (const eval::Traversal &t : *evaluation.traversals)
+            names_.push_back(names.unique(t.name));
     }
 
     void write_tables()
@@ -35,7 +34,7 @@ class NpyFiles
         write_npy(path("recall"), shape, evaluation_.recall);
         for (const eval::MethodResult &method : evaluation_.methods)
             if (!method.distance.empty())
-                write_npy(path("distance_" + method.name), shape, method.distance);
+                write_npy(path("distance_" + portable(method.name)), shape, method.distance);
         for (const eval::LocaliserResult &result : evaluation_.localisers)
             write_npy(path("recall_" + result.name),
                       result.in_each ? shape : std::vector<size_t>{shape[0]}, result.recall);
@@ -44,33 +43,38 @@ class NpyFiles
             index["queries"].push_back(traversal(query.traversal).name);
         for (const size_t reference : evaluation_.references)
             index["references"].push_back(traversal(reference).name);
-        program::replace_file(directory_ + "/index.json", index.dump(2) + "\n");
+        for (size_t i = 0; i < names_.size(); i++)
+            index["files"][traversal(i).name] = names_[i];
+        program::replace_file(directory_ + "/index.json",
+                              index.dump(2, ' ', false, program::Json::error_handler_t::replace) +
+                                  "\n");
     }
 
     void write_traversals()
     {
-        for (const eval::Traversal &t : *evaluation_.traversals) {
-            const record::Recording &r = t.recording;
-            write_npy(path("embeddings_" + t.name), {r.frames, evaluation_.backbone.identity.dim},
+        for (size_t i = 0; i < names_.size(); i++) {
+            const std::string &name = names_[i];
+            const record::Recording &r = traversal(i).recording;
+            write_npy(path("embeddings_" + name), {r.frames, evaluation_.backbone.identity.dim},
                       r.embeddings);
             const std::vector<float> &last_layer = r.last_layer_or_only();
-            write_npy(path("last_layer_" + t.name), {r.frames, last_layer.size() / r.frames},
+            write_npy(path("last_layer_" + name), {r.frames, last_layer.size() / r.frames},
                       last_layer);
-            write_npy(path("grey_" + t.name), {r.frames}, r.grey);
+            write_npy(path("grey_" + name), {r.frames}, r.grey);
             if (evaluation_.unit == record::Unit::metres)
-                write_npy(path("position_" + t.name), {r.frames, 3}, r.position);
+                write_npy(path("position_" + name), {r.frames, 3}, r.position);
             else
-                write_npy(path("place_" + t.name), {r.frames}, r.place);
+                write_npy(path("place_" + name), {r.frames}, r.place);
         }
     }
 
     void write_query(const eval::QueryResult &query)
     {
-        const std::string &name = traversal(query.traversal).name;
+        const std::string &name = names_[query.traversal];
         std::vector<double> emd;
         for (const eval::PairResult &pair : query.pairs) {
             const eval::Traversal &reference = traversal(pair.reference);
-            const std::string names = name + "_" + reference.name;
+            const std::string names = name + "_" + names_[pair.reference];
             const std::vector<size_t> shape = {query.live.size(), reference.recording.frames};
             write_npy(path("difference_" + names), shape,
                       eval::difference_matrix(evaluation_, query, pair.reference));
@@ -88,23 +92,19 @@ class NpyFiles
         return (*evaluation_.traversals)[index];
     }
 
-    // No other system or archive refuses the name, and no other result has it.
+    // name: portable. No other result has it.
     std::string path(const std::string &name)
     {
-        std::string portable = name;
-        const auto is_special = [](char c) {
-            return std::string_view("<>:\"/\\|?*").find(c) != std::string_view::npos;
-        };
-        std::replace_if(portable.begin(), portable.end(), is_special, '_');
-        if (!written_.insert(portable).second)
-            throw Error(directory_ + "/" + portable + ".npy: two results have this name, one of " +
-                        "them is " + name + "; rename one of their traversals");
-        return directory_ + "/" + portable + ".npy";
+        if (!written_.insert(name).second)
+            throw Error(directory_ + "/" + name +
+                        ".npy: two results have this name; rename one of their traversals");
+        return directory_ + "/" + name + ".npy";
     }
 
     const eval::Evaluation &evaluation_;
     std::string directory_;
-    std::set<std::string> written_; // names without directory and ending
+    std::vector<std::string> names_; // of traversals in file names
+    std::set<std::string> written_;  // names without directory and ending
 };
 
 } // namespace

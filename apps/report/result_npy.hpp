@@ -8,8 +8,10 @@
 namespace vdna::report
 {
 
-// Files in a directory, created if missing; '/' in a traversal's name becomes '_' in file names:
-//   index.json                         names of the queries and references: rows and columns
+// Files in a directory, created if missing. Names of traversals are made portable in file names:
+// letters, digits, '-' and '_', all others being '_', with "-2" and so on if two would be the same.
+//   index.json                         names of the queries and references: rows and columns; and
+//                                      "files": the name of each traversal in file names
 //   recall.npy, distance_METHOD.npy    [queries][references], NaN without a pair
 //   embeddings_TRAVERSAL.npy           [frames][dim], what frames are localised by
 //   last_layer_TRAVERSAL.npy           [frames][dim of it], what the Frechet distance compares

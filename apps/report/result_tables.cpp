@@ -20,12 +20,6 @@ namespace
 
 constexpr size_t line_width = 100; // wider tables are split
 
-// Short enough to compare at a glance, long enough not to hide a difference.
-std::string distance_text(double value)
-{
-    return program::fixed(value, std::abs(value) < 1 ? 3 : 2);
-}
-
 // Queries of one group that fit on a line, [begin, end).
 struct Block {
     size_t begin, end;
@@ -164,6 +158,13 @@ std::string number(double value, int digits)
     return std::isnan(value) ? "-" : program::fixed(value, digits);
 }
 
+bool has_interval(const eval::JudgedRanking &judged)
+{
+    return std::any_of(
+        eval::ranking_metrics.begin(), eval::ranking_metrics.end(),
+        [&](const eval::RankingMetric &metric) { return !std::isnan(judged.low.*metric.value); });
+}
+
 std::string summary_of(const eval::Evaluation &evaluation)
 {
     return evaluation.dataset + ": " + std::to_string(evaluation.queries.size()) + " queries, " +
@@ -202,20 +203,25 @@ std::string error_table(const std::vector<eval::MethodResult> &methods)
 {
     program::TextTable table;
     table.begin_row();
-    for (const char *title : {"method", "ranking error/%", "half-L1/%", "regret/%", "Kendall tau",
-                              "Pearson", "Spearman", "pooled Pearson", "pooled Spearman"})
-        table.add(title);
+    table.add("method");
+    for (const eval::RankingMetric &metric : eval::ranking_metrics)
+        table.add(metric.short_title);
     for (const eval::MethodResult &method : methods) {
-        const vdna_ranking_metrics &m = method.metrics;
         table.begin_row();
         table.add(method.name);
-        for (const double percent : {m.ranking_error_swap_once, m.ranking_error_half_l1, m.regret})
-            table.add(number(percent, 3));
-        for (const double coefficient : {m.kendall_tau, m.pearson_within, m.spearman_within,
-                                         m.pearson_pooled, m.spearman_pooled})
-            table.add(number(coefficient, 3));
+        for (const eval::RankingMetric &metric : eval::ranking_metrics)
+            table.add(number(method.judged.metrics.*metric.value, 3));
+        if (!has_interval(method.judged))
+            continue;
+        table.begin_row();
+        table.add("  95 %");
+        for (const eval::RankingMetric &metric : eval::ranking_metrics) {
+            const eval::Mean mean = method.judged.of(metric.value);
+            table.add(number(mean.low, 2) + " to " + number(mean.high, 2));
+        }
     }
-    const std::string left_out = methods.empty() ? "" : left_out_text(methods.front().metrics);
+    const std::string left_out =
+        methods.empty() ? "" : left_out_text(methods.front().judged.metrics);
     return table.text() + left_out + (left_out.empty() ? "" : "\n");
 }
 
@@ -236,8 +242,9 @@ std::string table_of(const eval::Ablation &ablation)
         for (const eval::MethodResult &method : row.methods) {
             if (eval::is_of_tap(method.name))
                 continue;
-            table.add(number(method.metrics.ranking_error_swap_once, 3));
-            table.add(number(method.metrics.regret, 3));
+            table.add(
+                mean_text(method.judged.of(&vdna_ranking_metrics::ranking_error_swap_once), 3));
+            table.add(mean_text(method.judged.of(&vdna_ranking_metrics::regret), 3));
         }
     }
     return table.text();

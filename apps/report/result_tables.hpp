@@ -15,7 +15,7 @@ namespace vdna::report
 // with terminal escape sequences; otherwise mark them * and **.
 std::string tables_of(const eval::Evaluation &evaluation, bool colour);
 
-// One line per method.
+// One line per method, and one for its 95 % intervals over queries.
 std::string error_table(const std::vector<eval::MethodResult> &methods);
 
 // One line per value.

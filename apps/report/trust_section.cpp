@@ -5,7 +5,6 @@
 
 #include "report/chart.hpp"
 #include "report/html.hpp"
-#include "report/localisers.hpp"
 #include "report/sections.hpp"
 #include "report/trust.hpp"
 #include "report/wording.hpp"
@@ -36,7 +35,7 @@ std::string html_of(const TrustTable &shown)
     return table(escaped(shown.title), head_of(shown.heads), body);
 }
 
-std::string reliability_figure(const eval::PredictionScore &score)
+Figure reliability_chart(const eval::PredictionScore &score)
 {
     std::vector<Point> points;
     for (const eval::PredictedBin &bin : score.reliability)
@@ -46,15 +45,15 @@ std::string reliability_figure(const eval::PredictionScore &score)
                                   number_text(bin.predicted, 1) + " %, achieved " +
                                   mean_text(bin.achieved) + " %",
                               bin.achieved.low, bin.achieved.high});
-    const std::string maps =
-        score.references == 0 ? "all references" : std::to_string(score.references) + " references";
+    const std::string references = score.references == 0 ? "all" : std::to_string(score.references);
     const std::string warmup =
         score.frames == 0 ? "full warmup" : std::to_string(score.frames) + " frames of warmup";
-    return element("figure",
-                   diagonal_chart("predicted recall, %", 100, "achieved, %", 100, points) +
-                       text_element("figcaption", "Maps of " + maps + ", " + warmup +
-                                                      ": mean error " + mean_text(score.error) +
-                                                      ". Lines: 95 % intervals."));
+    Figure chart = diagonal_chart("predicted recall, %", 100, "achieved, %", 100, points);
+    chart.name = "predictions-" + references + "-" +
+                 (score.frames == 0 ? "full" : std::to_string(score.frames));
+    chart.caption = "Maps of " + references + " references, " + warmup + ": mean error " +
+                    mean_text(score.error) + ". Lines: 95 % intervals.";
+    return chart;
 }
 
 std::string pairs_table(const eval::Evaluation &evaluation)
@@ -79,20 +78,25 @@ std::string pairs_table(const eval::Evaluation &evaluation)
 
 } // namespace
 
+std::vector<Figure> trust_figures(const eval::Evaluation &evaluation)
+{
+    std::vector<Figure> figures;
+    if (evaluation.trust)
+        for (const eval::PredictionScore &score : evaluation.trust->predictions)
+            figures.push_back(reliability_chart(score));
+    return figures;
+}
+
 std::string trust_section(const eval::Evaluation &evaluation)
 {
     if (!evaluation.trust)
         return "";
-    std::string figures, tables;
-    for (const eval::PredictionScore &score : evaluation.trust->predictions)
-        figures += reliability_figure(score);
+    std::string tables;
     for (const TrustTable &shown : trust_tables(*evaluation.trust))
         tables += html_of(shown);
     return "<h2>Trust in the choice</h2>" + text_element("p", trust_summary(*evaluation.trust)) +
-           text_element("p", trust_explanation) +
-           "<p>Predictions in ten bins: on the diagonal, as much is achieved as was "
-           "predicted.</p>" +
-           element("div class=\"charts\"", figures) + tables + pairs_table(evaluation);
+           charts(trust_figures(evaluation)) + tables + pairs_table(evaluation) +
+           text_element("p", trust_explanation);
 }
 
 } // namespace vdna::report

@@ -4,8 +4,8 @@
 #include <vdna/trust.h>
 
 #include "program/text_table.hpp"
-#include "report/localisers.hpp"
 #include "report/trust.hpp"
+#include "report/wording.hpp"
 
 namespace vdna::report
 {

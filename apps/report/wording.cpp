@@ -29,6 +29,17 @@ std::string distance_text(double distance)
     return program::fixed(distance, std::abs(distance) < 1 ? 3 : 2);
 }
 
+std::string mean_text(const eval::Mean &mean, int digits)
+{
+    if (std::isnan(mean.value))
+        return "-";
+    const std::string value = program::fixed(mean.value, digits);
+    if (std::isnan(mean.low))
+        return value;
+    return value + " (" + program::fixed(mean.low, digits) + " to " +
+           program::fixed(mean.high, digits) + ")";
+}
+
 const char *const ranks_nothing = "ranks nothing: all references have the same recall";
 
 std::string left_out_text(const vdna_ranking_metrics &metrics)

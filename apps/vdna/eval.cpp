@@ -13,6 +13,8 @@
 #include "program/replaced_file.hpp"
 #include "record/ranges.hpp"
 #include "record/warmup.hpp"
+#include "report/figures.hpp"
+#include "report/latex.hpp"
 #include "report/report.hpp"
 #include "report/result_json.hpp"
 #include "report/result_npy.hpp"
@@ -45,7 +47,7 @@ struct EvalOptions {
     std::vector<std::string> drives;
     std::vector<std::string> reselect;
     bool trust = false;
-    std::string cache, json, csv, npy, html;
+    std::string cache, json, csv, npy, html, latex, figures;
     std::string command_line; // as given
 };
 
@@ -132,6 +134,16 @@ eval::EvaluationSettings settings_of(const EvalOptions &o, const frames::Dataset
     return settings;
 }
 
+// The pairs, and beside them the averages: result.csv and result_averages.csv.
+void write_csv(const std::string &path, const eval::Evaluation &evaluation,
+               const std::vector<eval::Ablation> &ablations)
+{
+    program::replace_file(path, report::csv_of(evaluation));
+    const bool has_ending = path.size() >= 4 && path.compare(path.size() - 4, 4, ".csv") == 0;
+    program::replace_file(path.substr(0, path.size() - (has_ending ? 4 : 0)) + "_averages.csv",
+                          report::averages_csv_of(evaluation, ablations));
+}
+
 void write_results(const EvalOptions &o, const eval::Evaluation &evaluation,
                    const std::vector<eval::Ablation> &ablations)
 {
@@ -148,11 +160,15 @@ void write_results(const EvalOptions &o, const eval::Evaluation &evaluation,
                             .dump(2, ' ', false, program::Json::error_handler_t::replace) +
                         "\n");
     if (!o.csv.empty())
-        program::replace_file(o.csv, report::csv_of(evaluation));
+        write_csv(o.csv, evaluation, ablations);
     if (!o.npy.empty())
         report::write_npy_files(evaluation, o.npy);
     if (!o.html.empty())
         program::replace_file(o.html, report::report_of(evaluation, ablations, o.command_line));
+    if (!o.latex.empty())
+        program::replace_file(o.latex, report::latex_of(evaluation));
+    if (!o.figures.empty())
+        report::write_figures(evaluation, o.figures);
 }
 
 // The given options, in the order of the help.
@@ -318,18 +334,31 @@ void add_output_options(CLI::App &command, EvalOptions &o)
         ->type_name("DIR");
     command.add_option("--json", o.json, "write the results as JSON; - is standard output")
         ->type_name("FILE");
-    command.add_option("--csv", o.csv, "write a row for each query and reference")
+    command
+        .add_option(
+            "--csv", o.csv,
+            "write a row for each query and reference, and beside it FILE_averages.csv with "
+            "the averages")
         ->type_name("FILE");
     command
         .add_option(
             "--npy", o.npy,
-            "write matrices and embeddings for NumPy, with an index.json; '/', ':' and other "
-            "special characters of names become '_'")
+            "write matrices and embeddings for NumPy, with an index.json; in file names, all but "
+            "letters, digits, '-' and '_' become '_'")
         ->type_name("DIR");
     command
         .add_option("--html", o.html,
-                    "write a report to read in a browser: one file with tables, charts, pictures")
+                    "write a report to read in a browser: one file with pictures, charts, tables")
         ->type_name("FILE");
+    command
+        .add_option("--latex", o.latex,
+                    "write the tables for LaTeX, as the paper prints them; its head names the "
+                    "packages they need")
+        ->type_name("FILE");
+    command
+        .add_option("--figures", o.figures,
+                    "write every figure of the report as an SVG and a PDF file")
+        ->type_name("DIR");
 }
 
 } // namespace
@@ -354,7 +383,8 @@ void add_eval(CLI::App &app)
         "  vdna eval runs/ --localisers nn,filter,seqslam,all --html report.html\n"
         "  vdna eval runs/ --localisers nn,filter --drives plain,varied,replaced,gap,off-route\n"
         "  vdna eval runs/ --reselect summer+dusk+night,summer\n"
-        "  vdna eval runs/ --trust --html report.html");
+        "  vdna eval runs/ --trust --html report.html\n"
+        "  vdna eval runs/ --latex tables.tex --figures figures/");
     command->callback([options, command] {
         options->command_line = command_line_of(*command);
         run(*options);

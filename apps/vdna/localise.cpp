@@ -231,7 +231,8 @@ void localise(const LocaliseOptions &options)
                                              options.tolerance, options.with_altitude,
                                              with_matrix));
     if (with_matrix)
-        report::draw_difference_matrices(followed, options.with_filter(), options.matrix);
+        report::draw_difference_matrices(drive.live, followed, options.with_filter(),
+                                         options.matrix);
 
     std::vector<Answers> results;
     for (const record::Followed &f : followed)
@@ -286,10 +287,10 @@ void add_localise(CLI::App &app)
         ->capture_default_str();
     command
         ->add_option("--matrix", options->matrix,
-                     "draw the difference matrices: near = black, far = white; nearest frames "
-                     "blue if good, else orange; over them those of the filter, green if good, "
-                     "else red")
-        ->type_name("OUT.png");
+                     "draw the difference matrices, the most recall first: near = black, far = "
+                     "white; the answers of the localiser as green dots if right, orange crosses "
+                     "if wrong, grey dots where that is not known")
+        ->type_name("OUT.png|svg|pdf");
     add_network_options(*command, options->network, "that of the map");
     add_source_options(*command, options->source);
     add_labels_option(*command, options->source);

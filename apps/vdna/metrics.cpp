@@ -84,9 +84,9 @@ void report(const MetricsOptions &options)
     }
     program::Json methods = program::Json::object();
     for (const eval::MethodResult &result : results)
-        methods[result.name] = report::json_of(result.metrics);
+        methods[result.name] = report::json_of(result.judged);
     program::print_json(
-        {{"methods", methods}, {"note", report::left_out_text(results.front().metrics)}});
+        {{"methods", methods}, {"note", report::left_out_text(results.front().judged.metrics)}});
 }
 
 } // namespace

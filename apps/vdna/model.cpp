@@ -175,7 +175,7 @@ program::Json json_of_check(const std::array<Side, 2> &sides, const CheckResult 
     json["emd_change_percent"] = json_of_spread(result.ranking->emd_percent);
     json["recall_percent"] = result.ranking->recall;
     for (const Side &side : sides)
-        json["methods"].push_back(report::json_of(side.evaluation->methods.front().metrics));
+        json["methods"].push_back(report::json_of(side.evaluation->methods.front().judged));
     for (const eval::QueryChange &query : result.ranking->queries)
         json["queries"].push_back(
             {{"query", traversals[query.traversal].name},
@@ -240,8 +240,8 @@ void print_text(const std::array<Side, 2> &sides, const CheckResult &result)
     print_both(both, "inference/ms, median", result.latency.ms[0], result.latency.ms[1], 2);
     both.add_row({"  ratio", "1", program::fixed(result.latency.ratio, 2)});
     if (result.ranking) {
-        const vdna_ranking_metrics &of_a = sides[0].evaluation->methods.front().metrics;
-        const vdna_ranking_metrics &of_b = sides[1].evaluation->methods.front().metrics;
+        const vdna_ranking_metrics &of_a = sides[0].evaluation->methods.front().judged.metrics;
+        const vdna_ranking_metrics &of_b = sides[1].evaluation->methods.front().judged.metrics;
         print_both(both, "Recall@1/%, mean over pairs", result.ranking->recall[0],
                    result.ranking->recall[1], 2);
         print_both(both, "ranking error/%", of_a.ranking_error_swap_once,

@@ -16,6 +16,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+from xml.etree import ElementTree
 
 VDNA = Path(os.environ["VDNA_BIN"]) / "vdna"
 
@@ -728,6 +729,25 @@ class Localise(Scratch):
         self.assertGreater(height, 600)
         self.assertIn("nowhere", self.refused("localise", "a", "map", "--matrix",
                                               "nowhere/m.png"))
+        self.assertIn("m.gif: ends in '.gif', expected .png, .svg or .pdf",
+                      self.refused("localise", "a", "map", "--matrix", "m.gif"))
+        self.vdna("localise", "a", "map", "--labels", "places.csv", "--matrix", "m.pdf")
+        self.assertEqual((self.folder / "m.pdf").read_bytes()[:5], b"%PDF-")
+
+    def test_a_difference_matrix_shows_grey_matches_where_nothing_is_labelled(self):
+        grey = "not known whether right"
+        self.vdna("localise", "a", "map", "--matrix", "grey.svg")
+        self.vdna("localise", "a", "map", "--labels", "places.csv", "--matrix", "known.svg")
+        texts = {name: [e.text for e in ElementTree.parse(self.folder / name).iter()
+                        if e.tag.endswith("}text")] for name in ("grey.svg", "known.svg")}
+        self.assertIn("filter's answer, " + grey, texts["grey.svg"])
+        self.assertNotIn("filter's answer, right", texts["grey.svg"])
+        self.assertIn("filter's answer, right", texts["known.svg"])
+        self.assertNotIn("filter's answer, " + grey, texts["known.svg"])
+        for shown in texts.values():
+            self.assertEqual(shown.count("live frame"), 2)
+            self.assertEqual([text[0] for text in shown if text.endswith(("  b", "  c"))],
+                             ["1", "2"])
 
     def test_missing_labels_are_refused(self):
         self.assertIn("nowhere.csv",

@@ -154,7 +154,7 @@ class Exported:
         self.queries, self.references = index["queries"], index["references"]
 
     def load(self, name):
-        return np.load(self.folder / (re.sub('[<>:"/\\\\|?*]', "_", name) + ".npy"))
+        return np.load(self.folder / (re.sub("[^A-Za-z0-9_-]", "_", name) + ".npy"))
 
     def truth(self, name):
         kind = "position_" if self.json["unit"] == "metres" else "place_"

@@ -142,7 +142,9 @@ class Metrics(unittest.TestCase):
     def test_one_reference_ranks_nothing_so_every_metric_is_null(self):
         table = {"recall": {"a": {"b": 50}}, "distance": {"vdna": {"a": {"b": 1}}}}
         for method in ("vdna", "random"):
-            self.assertEqual(set(self.metrics(table)[method].values()), {None})
+            found = self.metrics(table)[method]
+            self.assertEqual({str(ends) for ends in found.pop("intervals").values()}, {"[None, None]"})
+            self.assertEqual(set(found.values()), {None})
 
     def test_a_complaint_names_the_member(self):
         wrong = json.loads(json.dumps(TEST_2))

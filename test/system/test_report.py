@@ -4,13 +4,20 @@ Python's own parser checks the page: every opened element is closed, nothing is 
 and colours match those computed from the JSON.
 """
 
+import csv
 import json
 import os
+import re
+import shutil
 import subprocess
 import tempfile
 import unittest
+from html import escape
 from html.parser import HTMLParser
 from pathlib import Path
+from xml.etree import ElementTree
+
+from browser import PROGRAM, Browser
 
 VDNA = Path(os.environ["VDNA_BIN"]) / "vdna"
 
@@ -30,6 +37,7 @@ class Page(HTMLParser):
     def __init__(self, html):
         super().__init__()
         self.open, self.tags, self.addresses, self.tables = [], [], [], {}
+        self.headings, self.photos, self.scrolling = [], 0, 0
         self.title = ""
         self.feed(html)
         self.close()
@@ -39,8 +47,12 @@ class Page(HTMLParser):
         self.tags.append(tag)
         self.addresses += [attributes[key] for key in ("src", "href", "xlink:href", "action",
                                                        "srcset", "data") if key in attributes]
+        self.photos += attributes.get("class") == "photo"
+        self.scrolling += attributes.get("class") == "scroll" and attributes.get("tabindex") == "0"
         if tag not in VOID:
             self.open.append(tag)
+        if tag == "h2":
+            self.headings.append("")
         if tag == "caption":
             self.caption, self.rows = "", []
         elif tag == "tr":
@@ -60,6 +72,8 @@ class Page(HTMLParser):
     def handle_data(self, text):
         if "title" in self.open and "head" in self.open:
             self.title += text
+        elif "h2" in self.open:
+            self.headings[-1] += text
         elif "caption" in self.open:
             self.caption += text
         elif {"td", "th"} & set(self.open):
@@ -83,7 +97,8 @@ class Report(unittest.TestCase):
         for drive, (name, condition) in enumerate(CONDITIONS.items()):
             cls.vdna("simulate", cls.runs / name, "--condition", condition, "--frames", 24,
                      "--step", 2, "--size", "64x48", "--variation", 0.5, "--drive", drive + 1)
-        cls.html = cls.evaluate()
+        cls.html = cls.evaluate("--csv", cls.folder / "result.csv", "--latex",
+                                cls.folder / "tables.tex", "--figures", cls.folder / "figures")
         cls.page = Page(cls.html)
         cls.result = json.loads((cls.folder / "result.json").read_text())
 
@@ -139,8 +154,141 @@ class Report(unittest.TestCase):
         self.assertEqual({**self.titles(), **TITLES}, self.titles())
         for method, title in self.titles().items():
             errors = self.result["methods"][method]
-            self.assertEqual(rows[title], ["–" if errors[key] is None else f"{errors[key]:.3f}"
+            self.assertEqual(rows[title], [self.average(errors[key], errors["intervals"][key])
                                            for key in ERRORS])
+
+    @staticmethod
+    def average(value, interval):
+        """As a cell has it."""
+        if value is None:
+            return "–"
+        return f"{value:.3f}" + ("" if None in interval else "{:.3f} to {:.3f}".format(*interval))
+
+    def test_the_answer_comes_first_then_pictures_tables_and_words(self):
+        regret = self.result["methods"]["vdna"]
+        low, high = regret["intervals"]["regret"]
+        answer = (f"costs {regret['regret']:.2f} percentage points of Recall@1 (95 % interval over "
+                  f"3 queries: {low:.2f} to {high:.2f})")
+        self.assertLess(self.html.index(answer), self.html.index("<h2>"))
+        order = ["Right and wrong matches", "Difference matrices", "Distance against recall",
+                 "How well each method ranks", "Rankings", "What the words mean",
+                 "How this was made"]
+        self.assertEqual([name for name in self.page.headings if name in order], order)
+
+    def test_pairs_show_a_live_and_a_map_picture_with_query_reference_frames_and_error(self):
+        section = self.html[self.html.index("<h2>Right and wrong"):self.html.index("<h2>Difference")]
+        self.assertEqual(section.count('class="photo"'), 2 * section.count('class="pair"'))
+        self.assertEqual(section.count('class="photo"'), self.page.photos)
+        for kind in ("✓ right: ", "✗ wrong: "):
+            self.assertIn(kind, section)
+        self.assertRegex(section, r"summer in [^<]+</b><br>frame \d+ \| \d+, \d+\.\d metres apart")
+
+    def test_matrices_are_ranked_with_axes_a_legend_and_all_references(self):
+        section = self.html[self.html.index("<h2>Difference"):self.html.index("<h2>Distance")]
+        for query, part in zip(self.result["queries"], section.split("<summary>")[1:], strict=True):
+            titles = re.findall(r">(\d)  ([^<]+)</text>", part)
+            ranked = [escape(name).replace("&#x27;", "&#39;")
+                      for name, _ in self.ranked(query, "vdna")]
+            self.assertEqual(titles, [(str(i), name) for i, name in enumerate(ranked, 1)])
+            panels = len(ranked) + 1
+            self.assertEqual(part.count(">live frame<"), panels)
+            self.assertEqual(part.count(">map frame<"), len(ranked))
+            self.assertEqual(part.count(">chosen<"), 1)
+            self.assertGreaterEqual(part.count(">best<"), 1)
+            self.assertIn(">all references at once<", part)
+            self.assertIn(f">Recall@1 {self.result['recall'][query]['all']:.2f} %<", part)
+            self.assertRegex(part, r">near \d+\.\d\d<.*>far \d+\.\d\d<")
+            self.assertIn(">nearest frame, right<", part)
+
+    def test_every_table_is_in_a_box_that_the_keyboard_can_scroll(self):
+        self.assertEqual(self.page.scrolling, self.page.tags.count("table"))
+
+    def test_the_averages_are_in_a_table_of_their_own(self):
+        with open(self.folder / "result_averages.csv", encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        found = {(row["row"], row["average"]): [float(row[key]) for key in ("value", "low", "high")]
+                 for row in rows if row["table"] == "ranking" and row["value"]}
+        for method, errors in self.result["methods"].items():
+            self.assertEqual(found[method, "regret"],
+                             [errors["regret"], *errors["intervals"]["regret"]])
+        self.assertIn(("localisers", "nn"), {(row["table"], row["row"]) for row in rows})
+
+    def test_every_figure_is_a_portable_svg_and_pdf(self):
+        files = sorted(path.name for path in (self.folder / "figures").iterdir())
+        stems = {name.split(".")[0] for name in files}
+        self.assertEqual(files, sorted(stem + end for stem in stems for end in (".svg", ".pdf")))
+        for stem in stems:
+            self.assertRegex(stem, r"\A[A-Za-z0-9_-]+\Z")
+        self.assertGreaterEqual(stems, {"pairs", "pairs-summer", "difference-summer", "localisers",
+                                        "distance-recall-vdna", "neurons-winter"})
+        texts = ""
+        for name in files:
+            data = (self.folder / "figures" / name).read_bytes()
+            if name.endswith(".svg"):
+                root = ElementTree.fromstring(data)
+                self.assertEqual(root.tag, "{http://www.w3.org/2000/svg}svg")
+                self.assertFalse([e for e in root.iter() if e.tag.endswith("script")])
+                texts += "".join(root.itertext())
+            else:
+                self.assertTrue(data.startswith(b"%PDF-1.4\n"), name)
+                self.assertTrue(data.endswith(b"%%EOF\n"), name)
+                table = int(re.search(rb"startxref\n(\d+)\n", data)[1])
+                self.assertEqual(data[table:table + 4], b"xref", name)
+        self.assertIn(HOSTILE, texts)
+
+    def test_the_latex_tables_are_those_of_the_paper(self):
+        tex = (self.folder / "tables.tex").read_text(encoding="utf-8")
+        # Every environment is closed, and every brace.
+        opened = []
+        for kind, name in re.findall(r"\\(begin|end){(\w+)}", tex):
+            if kind == "begin":
+                opened.append(name)
+            else:
+                self.assertEqual(opened.pop(), name)
+        self.assertEqual(opened, [])
+        braces = re.sub(r"\\[{}%]|%.*", "", tex)
+        self.assertEqual(braces.count("{"), braces.count("}"))
+        for line in tex.splitlines():
+            if line.startswith(r"\begin{tabular}"):
+                columns = len(re.search(r"{([lr]+)}", line)[1])
+            elif line.endswith(r"\\"):
+                spanned = sum(int(n) - 1 for n in re.findall(r"\\multicolumn{(\d+)}", line))
+                self.assertEqual(len(re.findall(r"(?<!\\)&", line)) + 1 + spanned, columns, line)
+        for rule in ("toprule", "midrule", "bottomrule", "cmidrule(lr){2-4}"):
+            self.assertIn("\\" + rule, tex)
+        self.assertNotIn(HOSTILE, tex)
+        self.assertIn(r"\textless{}script\textgreater{}alert({'}{\char34}\&{'})", tex)
+        recall = self.result["recall"]["summer"]
+        self.assertIn(f"summer / {recall['all']:.2f}", tex)
+        self.assertIn(f"{recall['winter']:.2f} - winter", tex)
+
+    @unittest.skipUnless(PROGRAM, "chromium is not installed")
+    def test_the_page_fits_screens_and_wide_tables_scroll(self):
+        with Browser() as browser:
+            for width in (1280, 390):
+                browser.resize(width)
+                browser.open((self.folder / "report.html").as_uri())
+                browser.wait_for("document.readyState === 'complete'")
+                self.assertEqual(browser.value("document.documentElement.scrollWidth"), width)
+                self.assertEqual(browser.value(
+                    "[...document.querySelectorAll('.scroll')].filter(box => "
+                    "box.scrollWidth > box.clientWidth).map(box => { box.scrollLeft = 9; "
+                    "return box.scrollLeft; }).filter(x => !(x > 0))"), [])
+            self.assertGreater(browser.value(
+                "[...document.querySelectorAll('.scroll')].filter(box => "
+                "box.scrollWidth > box.clientWidth).length"), 0)
+            self.assertEqual(browser.complaints, [])
+
+    @unittest.skipUnless(shutil.which("pdflatex"), "pdflatex is not installed")
+    def test_pdflatex_compiles_the_tables(self):
+        main = self.folder / "main.tex"
+        main.write_text(r"""\documentclass{article}
+\usepackage{booktabs,multirow,graphicx,subcaption}
+\usepackage[table]{xcolor}
+\begin{document}\input{tables.tex}\includegraphics{figures/localisers.pdf}\end{document}""")
+        done = subprocess.run(["pdflatex", "-interaction=nonstopmode", "-halt-on-error", main.name],
+                              cwd=self.folder, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout[-2000:])
 
     def test_the_true_ranking_names_the_recall_in_all_references(self):
         head, *rows = self.page.table("The truth")

@@ -5,6 +5,7 @@
 
 using vdna::eval::Mean;
 using vdna::eval::mean_with_interval;
+using vdna::eval::quantile;
 
 namespace
 {
@@ -33,6 +34,13 @@ void one_value_has_no_interval_and_no_value_has_no_mean(void **)
     assert_true(std::isnan(none.value) && std::isnan(none.low));
 }
 
+void the_outermost_quantiles_are_the_ends(void **)
+{
+    assert_true(quantile({1, 2, 4}, 0) == 1 && quantile({1, 2, 4}, 1) == 4);
+    assert_true(quantile({1, 2, 4}, 0.75) == 3);
+    assert_true(quantile({7}, 0.5) == 7 && quantile({7}, 1) == 7);
+}
+
 } // namespace
 
 int main()
@@ -40,6 +48,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(the_interval_is_that_of_numpy),
         cmocka_unit_test(equal_values_have_an_interval_of_no_width),
+        cmocka_unit_test(the_outermost_quantiles_are_the_ends),
         cmocka_unit_test(one_value_has_no_interval_and_no_value_has_no_mean),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

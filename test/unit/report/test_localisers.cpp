@@ -136,7 +136,7 @@ void the_page_has_a_curve_and_a_table_for_a_confidence(void **)
 {
     const Fixture f;
     const std::string html = report::localisers_section(f.evaluation);
-    assert_true(contains(html, "Nearest frame of the fused map</b>: AUROC 1.000, 4 answers"));
+    assert_true(contains(html, "Nearest frame of the fused map: AUROC 1.000, 4 answers"));
     assert_true(contains(html, "2 answers, mean confidence 0.950, 100.0 % good"));
     assert_true(contains(html, "Answers of fused by their least confidence"));
     assert_true(contains(html, "nn, in the first choice: 50.00 (40.00 to 60.00) %"));

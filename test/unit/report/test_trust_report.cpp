@@ -135,10 +135,12 @@ void the_page_has_tables_a_curve_and_each_pair(void **)
 
 void a_point_of_a_diagonal_chart_has_a_line_over_its_interval(void **)
 {
-    const std::string plain = report::diagonal_chart("x", 1, "y", 1, {{0.5, 0.5, 0, "p"}});
-    const std::string interval =
+    const report::Figure plain = report::diagonal_chart("x", 1, "y", 1, {{0.5, 0.5, 0, "p"}});
+    const report::Figure interval =
         report::diagonal_chart("x", 1, "y", 1, {{0.5, 0.5, 0, "p", 0.25, 0.75}});
-    assert_true(interval.size() > plain.size() && contains(interval, "<polyline stroke-width"));
+    assert_int_equal(interval.items.size(), plain.items.size() + 1);
+    // The drawing has y from 208 up to 10.
+    assert_true(contains(report::svg_element(interval), "d=\"M199 158.5L199 59.5\""));
 }
 
 } // namespace
