@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "frames/log_events.hpp"
+#include "frames/mcap_file.hpp"
 #include "frames/natural_order.hpp"
 #include "frames/source.hpp"
 
@@ -92,6 +93,15 @@ class JoinedReader : public Reader
     int64_t spacing_us_ = 0; // of the newest two frames, also between two videos
 };
 
+enum class Format { video, lcm, mcap };
+
+Format format_of(const std::string &path)
+{
+    if (is_mcap(path))
+        return Format::mcap;
+    return is_lcm_log(path) ? Format::lcm : Format::video;
+}
+
 // "drive.lcm" for the file "drive.lcm.00"; "" for everything else.
 std::string base_of(const std::string &path)
 {
@@ -160,14 +170,14 @@ std::unique_ptr<Reader> open_joined(const std::vector<std::string> &paths,
                                     const SourceOptions &options)
 {
     std::vector<std::unique_ptr<Reader>> parts;
-    const bool are_logs = is_lcm_log(paths.front());
+    const Format format = format_of(paths.front());
     for (const std::string &path : paths) {
-        if (fs::is_directory(path) || is_lcm_log(path) != are_logs)
+        if (fs::is_directory(path) || format_of(path) != format)
             throw Error(path + ": cannot be joined with " + paths.front() +
-                        ", expected videos only or LCM logs only");
+                        ", expected videos only, LCM logs only or MCAP files only");
         parts.push_back(open_reader(path, options, nullptr));
     }
-    return std::make_unique<JoinedReader>(std::move(parts), !are_logs);
+    return std::make_unique<JoinedReader>(std::move(parts), format == Format::video);
 }
 
 } // namespace vdna::frames

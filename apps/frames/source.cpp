@@ -1,6 +1,8 @@
 #include "frames/source.hpp"
 
 #include "frames/log_events.hpp"
+#include "frames/mcap_file.hpp"
+#include "frames/mcap_log.hpp"
 #include "frames/pose_track.hpp"
 
 namespace vdna::frames
@@ -31,8 +33,11 @@ std::optional<TrackJoin> track_of(const std::string &path, const SourceOptions &
     if (!options.gps.empty())
         return TrackJoin(Track::from_file(options.gps, gap_us), path);
     const std::vector<std::string> logs = parts_of(path);
+    if (is_mcap(logs.front()))
+        return TrackJoin(read_mcap_track(logs, options.pose_channel, gap_us), path);
     if (!is_lcm_log(logs.front()))
-        throw Error(path + ": not an LCM log, so it has no --pose-channel; set --gps to its track");
+        throw Error(path + ": neither an LCM log nor an MCAP file, so it has no --pose-channel; "
+                           "set --gps to its track");
     const std::string &local = options.label_options.local_frame;
     return TrackJoin(read_pose_track(logs, options.pose_channel,
                                      local.empty() ? VDNA_FRAME_LOCAL : local, gap_us),
@@ -162,9 +167,12 @@ std::unique_ptr<Reader> open_reader(const std::string &path, const SourceOptions
     std::error_code failure;
     const fs::file_status status = fs::status(path, failure);
     if (!fs::exists(status))
-        throw Error(path + ": not found, expected a folder of pictures, a video or an LCM log");
+        throw Error(path + ": not found, expected a folder of pictures, a video, an LCM log or an "
+                           "MCAP file");
     if (fs::is_directory(status))
         return open_folder(path, options.rate_hz, labels);
+    if (is_mcap(path))
+        return open_mcap(path, options);
     return is_lcm_log(path) ? open_lcm_log(path, options) : open_video(path, options.rate_hz);
 }
 

@@ -1,4 +1,5 @@
-// Sources of frames: a folder of pictures, a video file, an LCM log, or several files of one drive.
+// Sources of frames: a folder of pictures, a video file, an LCM log, an MCAP file, or several files
+// of one drive.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +25,9 @@ namespace vdna::frames
 // How to read a source.
 struct SourceOptions {
     double rate_hz = 10;                             // of pictures without a time stamp, > 0
-    std::string camera = VDNA_CHANNEL_CAMERA;        // channel of an LCM log
+    std::string camera = VDNA_CHANNEL_CAMERA;        // channel of an LCM log, topic of an MCAP
+                                                     // file; if that has none of this name, the
+                                                     // only one with pictures
     std::string camera_option = "--camera";          // what complaints call the option that sets it
     uint32_t time_unit = VDNA_TIME_UNIT_AUTO;        // of time stamps
     double late_s = VDNA_TIME_LATE_US_DEFAULT / 1e6; // frames this much older than the newest are
@@ -38,8 +41,8 @@ struct SourceOptions {
 
     int64_t time_offset_us = 0; // added to the times of all frames
     std::string gps;            // track whose positions are the frames' truth; "" = none
-    std::string pose_channel;   // of an LCM log, whose poses are such a track; "" = none
-    double gps_gap_s = 2;       // fixes of a track further apart than this are not joined, > 0
+    std::string pose_channel; // of an LCM log or MCAP file, whose poses are such a track; "" = none
+    double gps_gap_s = 2;     // fixes of a track further apart than this are not joined, > 0
 };
 
 // One frame. `image.data` is borrowed until the next frame is read.
@@ -128,8 +131,10 @@ std::unique_ptr<Reader> open_folder(const std::filesystem::path &path, double ra
                                     const Labels *labels);
 std::unique_ptr<Reader> open_video(const std::string &path, double rate_hz);
 std::unique_ptr<Reader> open_lcm_log(const std::string &path, const SourceOptions &options);
+std::unique_ptr<Reader> open_mcap(const std::string &path, const SourceOptions &options);
 
-// Several files as one source, in the order given; only videos and logs can be joined.
+// Several files as one source, in the order given; only videos, LCM logs or MCAP files can be
+// joined.
 std::unique_ptr<Reader> open_joined(const std::vector<std::string> &paths,
                                     const SourceOptions &options);
 

@@ -38,8 +38,9 @@ class VideoReader : public Reader
         // FFmpeg only: other backends look for cameras, load plug-ins, or treat a picture as the
         // first of a sequence.
         if (!video_.open(path, cv::CAP_FFMPEG))
-            throw Error(path + ": neither a folder, nor an LCM log, nor a video that OpenCV can "
-                               "read; expected one of these");
+            throw Error(path +
+                        ": neither a folder, nor an LCM log, nor an MCAP file, nor a video that "
+                        "OpenCV can read; expected one of these");
         collect_ffmpeg_errors(); // opening a video sets OpenCV's own
         // Streams, and recordings whose writer could not go back, do not say how many they hold.
         const double count = video_.get(cv::CAP_PROP_FRAME_COUNT);

@@ -287,9 +287,10 @@ void add_build(CLI::App &app)
         ->type_name("")
         ->required();
     command
-        ->add_option("SOURCE", options->sources,
-                     "folder of pictures, video file or LCM log; each becomes MAP/NAME.vdna. Files "
-                     "that a logger cut, drive.lcm.00 and drive.lcm.01, become one")
+        ->add_option(
+            "SOURCE", options->sources,
+            "folder of pictures, video, LCM log or MCAP file; each becomes MAP/NAME.vdna. Files "
+            "that a logger cut, drive.lcm.00 and drive.lcm.01, become one")
         ->type_name("")
         ->required();
     add_network_options(*command, options->network,

@@ -80,7 +80,8 @@ void add_calibrate(CLI::App &app)
     const auto options = std::make_shared<CalibrateOptions>();
     options->network.backbone = VDNA_BACKBONE_DEFAULT;
     command->add_option("OUT.json", options->out, "ranges file to write, JSON")->type_name("");
-    command->add_option("SOURCE", options->sources, "folder of pictures, video file or LCM log")
+    command
+        ->add_option("SOURCE", options->sources, "folder of pictures, video, LCM log or MCAP file")
         ->type_name("");
     command
         ->add_option(

@@ -251,7 +251,7 @@ void add_localise(CLI::App &app)
     const auto options = std::make_shared<LocaliseOptions>();
     command
         ->add_option("LIVE_SOURCE", options->live,
-                     "folder of pictures, video file or LCM log; Recall@1 is reported if it "
+                     "folder of pictures, video, LCM log or MCAP file; Recall@1 is reported if it "
                      "carries the same labels as the map")
         ->type_name("")
         ->required();

@@ -327,7 +327,7 @@ void add_inputs(CLI::App &app)
     command->add_option("NETWORK", o->network.backbone, "name of a manifest, or path of a .toml")
         ->type_name("")
         ->required();
-    command->add_option("SOURCE", o->sources, "folder of pictures, video file or LCM log")
+    command->add_option("SOURCE", o->sources, "folder of pictures, video, LCM log or MCAP file")
         ->type_name("")
         ->required();
     command->add_option("--npy", o->npy, "file to write: float32 [pictures, 3, height, width]")

@@ -62,7 +62,10 @@ void add_source_options(CLI::App &command, frames::SourceOptions &options)
         ->check(program::within(1e-6, 1e6))
         ->type_name("HZ")
         ->capture_default_str();
-    command.add_option("--camera", options.camera, "camera channel of an LCM log")
+    command
+        .add_option("--camera", options.camera,
+                    "camera channel of an LCM log, or topic of an MCAP file, whose only "
+                    "topic with compressed pictures needs no name")
         ->type_name("CHANNEL")
         ->capture_default_str();
     command.add_option("--every", options.every, "use only every N-th frame")
@@ -149,7 +152,8 @@ void add_track_options(CLI::App &command, frames::SourceOptions &options)
     command
         .add_option("--pose-channel", options.pose_channel,
                     "channel of an LCM log with the poses (bot_core.pose_t) or GPS fixes "
-                    "(bot_core.gps_data_t) of the drive: as --gps")
+                    "(bot_core.gps_data_t) of the drive, or topic of an MCAP file with "
+                    "foxglove.LocationFix or sensor_msgs' NavSatFix: as --gps")
         ->type_name("CHANNEL")
         ->excludes(gps);
     command

@@ -92,7 +92,8 @@ void add_play(CLI::App &app)
 {
     CLI::App *command = app.add_subcommand("play", "Send a recording over LCM, as a camera would");
     const auto options = std::make_shared<PlayOptions>();
-    command->add_option("source", options->source, "folder of pictures, video or LCM log")
+    command
+        ->add_option("source", options->source, "folder of pictures, video, LCM log or MCAP file")
         ->required()
         ->type_name("SOURCE");
     command->add_option("--rate", options->reading.rate_hz, "frames per second")

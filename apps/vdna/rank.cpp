@@ -291,9 +291,10 @@ void add_rank(CLI::App &app)
         "of their Visual DNA");
     const auto options = std::make_shared<RankOptions>();
     command
-        ->add_option("PATH", options->paths,
-                     "LIVE_SOURCE MAP: a folder of pictures, video file or LCM log, and the map to "
-                     "choose from; or experience files, the first of which is the query")
+        ->add_option(
+            "PATH", options->paths,
+            "LIVE_SOURCE MAP: a folder of pictures, video, LCM log or MCAP file, and the map to "
+            "choose from; or experience files, the first of which is the query")
         ->type_name("")
         ->expected(2, -1)
         ->required();

@@ -81,8 +81,10 @@ def environment():
     """A virtual environment with what building and testing the wheel needs."""
     with open(WHEEL / "pyproject.toml", "rb") as file:
         project = tomllib.load(file)
-    packages = [*project["build-system"]["requires"], *project["project"]["dependencies"]]
-    return virtual_environment(WORK / "environment", *packages, "pytest", "mypy")
+    project_table = project["project"]
+    packages = [*project["build-system"]["requires"], *project_table["dependencies"]]
+    packages += project_table["optional-dependencies"]["mcap"]
+    return virtual_environment(WORK / "environment", *packages, "pytest", "mypy", "types-protobuf")
 
 
 def install_wheel():

@@ -176,7 +176,8 @@ void only_logs_have_channels(void **)
     try {
         Source(folder.path(), on_channel("POSE"));
     } catch (const vdna::Error &e) {
-        assert_non_null(std::strstr(e.what(), ": not an LCM log, so it has no --pose-channel"));
+        assert_non_null(std::strstr(
+            e.what(), ": neither an LCM log nor an MCAP file, so it has no --pose-channel"));
         return;
     }
     fail_msg("a folder was accepted");
