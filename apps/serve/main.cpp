@@ -2,6 +2,7 @@
 // serve`: so it needs neither a network nor OpenCV, and ends nothing if it ends.
 #include <cstdio>
 #include <iostream>
+#include <optional>
 #include <random>
 
 #include <CLI/CLI.hpp>
@@ -25,6 +26,7 @@ struct Options {
     std::string command_channel = VDNA_CHANNEL_COMMAND;
     std::string address = "127.0.0.1";
     int port = 8070;
+    std::string map; // directory; "" = none
 };
 
 void check(const Options &options)
@@ -69,6 +71,9 @@ std::string url_of(const Options &options, int port, const std::string &token)
 void serve(const Options &options)
 {
     check(options);
+    std::optional<MapPictures> pictures;
+    if (!options.map.empty())
+        pictures.emplace(options.map);
     LiveState state;
     Reception reception(options.channels, state);
     const Connection commands = connect_for_commands(options.channels.url);
@@ -78,7 +83,8 @@ void serve(const Options &options)
                                  telemetry::send_command(commands, options.command_channel,
                                                          command);
                                  std::cerr << "vdna serve: sent " << command.name << std::endl;
-                             }},
+                             },
+                             pictures ? &*pictures : nullptr},
                             state);
     std::cerr << "vdna serve: listening; whoever has this address, token included, may press the "
                  "page's buttons:"
@@ -103,6 +109,9 @@ void add_options(CLI::App &app, Options &options)
     app.add_option("--port", options.port, "TCP port; 0 = any free one")
         ->check(CLI::Range(0, 65535))
         ->capture_default_str();
+    app.add_option("--map", options.map,
+                   "map of the daemon, to show its matched frame beside the camera's picture")
+        ->type_name("DIR");
     options.channels.camera = VDNA_CHANNEL_CAMERA;
     app.add_option("--camera", options.channels.camera, "channel")->capture_default_str();
     for (const telemetry::View &view : telemetry::views())

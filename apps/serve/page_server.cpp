@@ -116,10 +116,13 @@ PageServer::PageServer(ServerSettings settings, LiveState &state)
     : settings_(std::move(settings)), state_(state), server_(std::make_unique<httplib::Server>())
 {
     state_.put("commands", commands_json());
+    state_.put("map", settings_.map_pictures ? R"({"shown": true})" : R"({"shown": false})");
     configure(*server_);
     serve_page();
     server_->Get("/events", [this](const Request &, Response &r) { serve_events(r); });
     server_->Get("/picture", [this](const Request &, Response &r) { serve_picture(r); });
+    server_->Get(R"(/map/([A-Za-z0-9._-]{1,63})/([0-9]{1,9})\.jpg)",
+                 [this](const Request &q, Response &r) { serve_map_picture(q, r); });
     server_->Post("/command", [this](const Request &q, Response &r) { take_command(q, r); });
 
     const std::string &address = settings_.address;
@@ -186,6 +189,17 @@ void PageServer::serve_picture(Response &response)
     if (!picture)
         return refuse(response, 404, "there is no picture");
     response.set_content(*picture, "image/jpeg");
+}
+
+void PageServer::serve_map_picture(const Request &request, Response &response)
+{
+    const std::string name = request.matches[1], frame = request.matches[2];
+    std::optional<std::string> jpeg;
+    if (settings_.map_pictures)
+        jpeg = settings_.map_pictures->jpeg(name, static_cast<uint32_t>(std::stoul(frame)));
+    if (!jpeg)
+        return refuse(response, 404, "there is no such thumbnail");
+    response.set_content(*jpeg, "image/jpeg");
 }
 
 void PageServer::take_command(const Request &request, Response &response)

@@ -70,7 +70,7 @@ def text_of(identity):
 
 class Page(unittest.TestCase):
     def setUp(self):
-        self.serve = self.enterContext(Serve())
+        self.serve = self.enterContext(Serve("--map", MAP))
         self.browser = self.enterContext(Browser())
         self.browser.call("Page.addScriptToEvaluateOnNewDocument", source=WATCH_SHIFTS)
         self.browser.resize(WIDTHS[0])
@@ -110,6 +110,7 @@ class Page(unittest.TestCase):
                 self.browser.wait_for(text_of("sentence") + ".startsWith('Localising in winter, because')")
                 self.browser.wait_for(text_of("match-facts") + ".includes('winter, frame')")
                 self.browser.wait_for("live.naturalWidth > 0 && !live.hidden")
+                self.browser.wait_for("match.naturalWidth === 160 && !match.hidden")
                 rows = self.browser.value("[...ranking.rows].map(row => row.innerText)")
                 self.assertIn("winter", rows[0])
                 self.assertEqual(len(rows), 3)
@@ -185,6 +186,7 @@ class Page(unittest.TestCase):
         self.shoot("1280-gone")
         with Serve(port=port):
             self.browser.wait_for(text_of("state") + " === 'WAITING'")
+            self.browser.wait_for(text_of("no-match") + ".includes('--map DIR')")
             self.assertEqual(self.browser.value(text_of("link")), "live")
 
 

@@ -78,8 +78,21 @@ function position_of(answer) {
     (digits === 6 ? "" : ` m in ${answer.position_frame}`);
 }
 
+// The matched frame of the map, if the server has the map; the newest one once the last has come.
+function show_match_picture(answer) {
+  const image = at("match"), url = answer?.experience ? `map/${answer.experience}/${answer.frame}.jpg` : "";
+  if (!state.map?.shown || !url) {
+    image.hidden = true;
+    text(at("no-match"), state.map && !state.map.shown ? "To see it, start vdna serve with --map DIR" : "No match yet");
+  } else if (image.dataset.url !== url && image.dataset.loading !== "yes") {
+    image.dataset.loading = "yes";
+    image.src = image.dataset.url = url;
+  }
+}
+
 function show_match() {
   const answer = state.localisation;
+  show_match_picture(answer);
   text(at("match-facts"), !answer ? "No answer yet"
     : answer.experience === null ? `${answer.validity.toLowerCase().replace("_", " ")}` +
       (answer.reason ? `: ${answer.reason}` : "")
@@ -283,7 +296,7 @@ function show_commands() {
 // --- events in, one drawing for all that came since the last one
 
 const parts = [[show_headline, "headline", "status", "pulse"], [show_live, "picture", "pulse"],
-               [show_match, "localisation"], [show_ranking, "ranking", "status"], [show_strip, "point"],
+               [show_match, "localisation", "map"], [show_ranking, "ranking", "status"], [show_strip, "point"],
                [show_health, "status", "problems", "pulse", "picture"], [show_commands, "commands"],
                [show_raw, "status", "localisation", "ranking"]];
 const fresh = new Set(); // kinds of events since the last drawing
@@ -317,7 +330,7 @@ function connect() {
   source?.close();
   source = new EventSource("events");
   source.addEventListener("open", () => state.points = []); // the server sends all it has
-  for (const kind of ["commands", "headline", "localisation", "picture", "point", "problems", "pulse", "ranking",
+  for (const kind of ["commands", "headline", "localisation", "map", "picture", "point", "problems", "pulse", "ranking",
                       "status"])
     source.addEventListener(kind, event => take(kind, JSON.parse(event.data)));
 }
@@ -336,5 +349,11 @@ setInterval(() => {
 
 at("live").addEventListener("load", () => { at("live").hidden = false; at("live").dataset.loading = ""; });
 at("live").addEventListener("error", () => { at("live").hidden = true; at("live").dataset.loading = ""; });
+at("match").addEventListener("load", () => { at("match").hidden = false; at("match").dataset.loading = ""; show_match(); });
+at("match").addEventListener("error", () => {
+  at("match").hidden = true;
+  at("match").dataset.loading = "";
+  text(at("no-match"), "No thumbnail of this frame");
+});
 at("raw").addEventListener("toggle", show_raw);
 connect();

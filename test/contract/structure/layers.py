@@ -36,7 +36,8 @@ ROOMS = {
     "apps/telemetry": (7, ["apps/program", "lib/cpp", "lib/transport"]),
     "apps/watch": (8, ["apps/program", "apps/telemetry", "lib/cpp"]),
     "apps/record": (8, ["apps/frames", "apps/program", "lib/backbone", "lib/core", "lib/cpp",
-                        "lib/geodesy", "lib/localise", "lib/map", "lib/select", "lib/trust"]),
+                        "lib/geodesy", "lib/localise", "lib/map", "lib/picture", "lib/select",
+                        "lib/trust"]),
     "apps/doctor": (9, ["apps/program", "apps/record", "apps/telemetry", "lib/backbone", "lib/core",
                         "lib/cpp", "lib/transport"]),
     "apps/eval": (9, ["apps/frames", "apps/program", "apps/record", "lib/backbone", "lib/baseline",
@@ -45,12 +46,12 @@ ROOMS = {
                          "lib/picture", "lib/trust"]),
     "apps/vdna": (11, ["apps/doctor", "apps/eval", "apps/frames", "apps/program", "apps/record", "apps/report",
                        "apps/simulate", "apps/telemetry", "apps/watch", "lib/backbone", "lib/core",
-                       "lib/cpp", "lib/geodesy", "lib/localise", "lib/transport"]),
+                       "lib/cpp", "lib/geodesy", "lib/localise", "lib/picture", "lib/transport"]),
     "apps/selectord": (11, ["apps/program", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
                             "lib/geodesy", "lib/health", "lib/map", "lib/select",
                             "lib/transport"]),
-    "apps/serve": (11, ["apps/program", "apps/telemetry", "lib/core", "lib/cpp", "lib/picture",
-                        "lib/transport"]),
+    "apps/serve": (11, ["apps/program", "apps/telemetry", "lib/core", "lib/cpp", "lib/map",
+                        "lib/picture", "lib/transport"]),
 }
 
 # The public headers of rooms whose name they do not bear.
