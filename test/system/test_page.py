@@ -168,7 +168,7 @@ class Page(unittest.TestCase):
                 self.browser.wait_for(button(key) + ".getAttribute('aria-pressed') === 'true'")
                 self.assertEqual(self.browser.value("document.activeElement.dataset.key"), key)
             rows = " ".join(self.browser.value("[...ranking.rows].map(row => row.innerText)"))
-            self.assertIn("summer ✓ pinned", rows)
+            self.assertIn("summer pinned ✓", rows)
             self.assertIn("night excluded", rows)
             self.assertIn("In shadow", self.browser.value(text_of("margin")))
             for width in WIDTHS:
