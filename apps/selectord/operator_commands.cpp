@@ -83,8 +83,8 @@ Outcome shadow(MapSession &session, const std::string &state)
         return {false,
                 "the argument is " + (state.empty() ? "empty" : state) + ", expected on or off"};
     vdna_select_shadow(session.select(), state == "on" ? 1 : 0);
-    return {true, state == "on" ? "in shadow: recommending only, the choice stays"
-                                : "out of shadow: the choice follows the ranking"};
+    return {true, state == "on" ? "recommending only, the choice stays"
+                                : "acting again, the choice follows the ranking"};
 }
 
 } // namespace

@@ -24,9 +24,9 @@ const char *text_of(Argument argument)
     }
 }
 
-const std::vector<Command> &commands()
+const std::array<Command, 6> &commands()
 {
-    static const std::vector<Command> all{
+    static constexpr std::array<Command, 6> all{{
         {"reset", VDNA_MSG_COMMAND_T_RESET, Argument::none,
          "forget the chosen experience and warm up again"},
         {"reload", VDNA_MSG_COMMAND_T_RELOAD, Argument::none,
@@ -38,7 +38,7 @@ const std::vector<Command> &commands()
          "allow NAME to be chosen again; without NAME, all"},
         {"shadow", VDNA_MSG_COMMAND_T_SHADOW, Argument::on_or_off,
          "on: recommend only and keep the choice; off: act again"},
-    };
+    }};
     return all;
 }
 

@@ -1,8 +1,8 @@
 // The commands that vdna_selectord takes, each by its name.
 #pragma once
 
+#include <array>
 #include <string>
-#include <vector>
 
 #include <vdna/cpp/connection.hpp>
 
@@ -22,7 +22,7 @@ struct Command {
     const char *does; // to the daemon
 };
 
-const std::vector<Command> &commands();
+const std::array<Command, 6> &commands();
 
 // The command of a name; nullptr if there is none.
 const Command *find_command(const std::string &name);

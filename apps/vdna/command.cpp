@@ -1,5 +1,8 @@
 // vdna command - sends a command to a running vdna_selectord, and waits for its result.
 #include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include <vdna_messages.h>
 #include <vdna_msg_command_result_t.h>
