@@ -11,7 +11,7 @@ import subprocess
 import time
 
 import own_network
-from selectord import SANITIZED, Frames, Selectord, Watch, WithConfiguration, memory_of, vdna
+from selectord import SANITIZED, SLOWER, Frames, Selectord, Watch, WithConfiguration, memory_of, vdna
 
 WORK = os.path.abspath("reload")
 SMALL, LARGE, OTHER = (os.path.join(WORK, name) for name in ("small", "large", "other"))
@@ -218,7 +218,7 @@ class Reload(WithConfiguration):
                 os.kill(daemon.pid, signal.SIGHUP)
                 code, seconds = daemon.stop()
             self.assertEqual(code, 0)
-            self.assertLess(seconds, 5 if SANITIZED else 0.5)
+            self.assertLess(seconds, 0.5 * SLOWER)
 
 
 if __name__ == "__main__":
