@@ -1,10 +1,12 @@
-// The contribution of each neuron to the distance of Visual DNA.
+// Which neurons make the first choice of Visual DNA another than the second.
 #include <algorithm>
 #include <functional>
 
+#include <vdna/cpp/error.hpp>
+
 #include "eval/placing.hpp"
-#include "program/print.hpp"
 #include "report/chart.hpp"
+#include "report/explanation.hpp"
 #include "report/html.hpp"
 #include "report/sections.hpp"
 #include "report/wording.hpp"
@@ -15,11 +17,11 @@ namespace vdna::report
 namespace
 {
 
-constexpr size_t listed_neurons = 10;
+constexpr uint32_t listed_neurons = 10;
 
-// The nearest and the farthest reference of a query, by Visual DNA.
-struct Extremes {
-    const eval::PairResult *near, *far;
+// The first two of a query, by Visual DNA.
+struct Leaders {
+    const eval::PairResult *winner, *against;
 };
 
 const eval::PairResult *pair_with(const eval::QueryResult &query, size_t reference)
@@ -29,12 +31,12 @@ const eval::PairResult *pair_with(const eval::QueryResult &query, size_t referen
         [&](const eval::PairResult &pair) { return pair.reference == reference; });
 }
 
-Extremes extremes_of(const eval::Evaluation &evaluation, size_t query)
+Leaders leaders_of(const eval::Evaluation &evaluation, size_t query)
 {
     const std::vector<eval::Place> places =
         eval::predicted_places(evaluation, query, evaluation.methods.front());
-    return {pair_with(evaluation.queries[query], places.front().reference),
-            pair_with(evaluation.queries[query], places.back().reference)};
+    return {pair_with(evaluation.queries[query], places[0].reference),
+            pair_with(evaluation.queries[query], places[1].reference)};
 }
 
 Curve curve_of(const eval::Evaluation &evaluation, const eval::PairResult &pair)
@@ -44,7 +46,7 @@ Curve curve_of(const eval::Evaluation &evaluation, const eval::PairResult &pair)
     return curve;
 }
 
-std::string chart_of(const eval::Evaluation &evaluation, const Extremes &extremes)
+std::string chart_of(const eval::Evaluation &evaluation, const Leaders &leaders)
 {
     const auto key = [&](const eval::PairResult &pair, size_t series) {
         return element("span class=\"key\"",
@@ -53,53 +55,27 @@ std::string chart_of(const eval::Evaluation &evaluation, const Extremes &extreme
                            series_colour(series, 2) + "\"/></svg>" +
                            escaped(name_of(evaluation, pair.reference)));
     };
-    return element("figure", curve_chart("neurons, largest contribution first", "EMD, bins",
-                                         {curve_of(evaluation, *extremes.near),
-                                          curve_of(evaluation, *extremes.far)}) +
-                                 element("figcaption", "nearest " + key(*extremes.near, 0) +
-                                                           " farthest " + key(*extremes.far, 1)));
+    return element("figure", curve_chart("neurons, largest EMD first", "EMD, bins",
+                                         {curve_of(evaluation, *leaders.winner),
+                                          curve_of(evaluation, *leaders.against)}) +
+                                 element("figcaption", "first " + key(*leaders.winner, 0) +
+                                                           " second " + key(*leaders.against, 1)));
 }
 
-// A number with a bar of proportional length.
-std::string bar_cell(double value, double longest)
+std::string explanation_of(const eval::Evaluation &evaluation, size_t query)
 {
-    return element("td class=\"number\"",
-                   program::fixed(value, 1) +
-                       "<svg class=\"bar\" viewBox=\"0 0 100 8\" aria-hidden=\"true\" "
-                       "preserveAspectRatio=\"none\"><rect width=\"" +
-                       program::fixed(longest > 0 ? 100 * value / longest : 0, 1) +
-                       "\" height=\"8\"/></svg>");
-}
-
-// The neurons that best tell the nearest reference from the farthest.
-std::string table_of(const eval::Evaluation &evaluation, const Extremes &extremes)
-{
-    const std::vector<double> &near = extremes.near->neuron_emd_bins;
-    const std::vector<double> &far = extremes.far->neuron_emd_bins;
-    std::vector<size_t> order(near.size());
-    for (size_t i = 0; i < order.size(); i++)
-        order[i] = i;
-    const size_t listed = std::min(order.size(), listed_neurons);
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(listed),
-                      order.end(), [&](size_t a, size_t b) {
-                          const double d = (far[a] - near[a]) - (far[b] - near[b]);
-                          return d != 0 ? d > 0 : a < b;
-                      });
-    order.resize(listed);
-    double longest = 0;
-    for (const size_t i : order)
-        longest = std::max({longest, near[i], far[i]});
-    std::string rows;
-    for (const size_t i : order)
-        rows += element("tr", text_element("th scope=\"row\"", std::to_string(i)) +
-                                  bar_cell(near[i], longest) + bar_cell(far[i], longest));
-    const auto head = [&](const eval::PairResult &pair) {
-        return text_element("th scope=\"col\"", name_of(evaluation, pair.reference) + ", bins");
-    };
-    return table(
-        "Neurons that tell them apart best",
-        element("tr", "<th scope=\"col\">Neuron</th>" + head(*extremes.near) + head(*extremes.far)),
-        rows);
+    if (evaluation.queries[query].pairs.size() < 2)
+        return element("p", "There is one reference only.");
+    const Leaders leaders = leaders_of(evaluation, query);
+    Explainer explainer(evaluation.backbone.identity, listed_neurons);
+    require(explainer.explain(leaders.winner->neuron_emd_bins, leaders.against->neuron_emd_bins),
+            "contributions of neurons");
+    const Explanation explanation{name_of(evaluation, leaders.winner->reference),
+                                  name_of(evaluation, leaders.against->reference), explainer};
+    return text_element("p", sentence_of(explanation)) +
+           element("div class=\"charts\"",
+                   chart_of(evaluation, leaders) + element("div", reasons_table(explanation))) +
+           (explainer.taps().size() > 1 ? taps_table(explanation) : "");
 }
 
 } // namespace
@@ -111,15 +87,15 @@ std::string neurons_section(const eval::Evaluation &evaluation)
         "Earth Mover's Distance (EMD) per neuron: the mean number of histogram bins, of " +
         std::to_string(evaluation.bins) +
         ", by which its activations in the warmup must move to match those of the "
-        "reference. This section shows the nearest and the farthest reference of each query.</p>";
+        "reference. This section shows what tells the first choice of each query from the second: "
+        "the margin, the distance of the second less that of the first, is the sum of what the "
+        "neurons add, "
+        "above 0 for the first and below 0 for the second.</p>";
     const size_t shown = std::min(evaluation.queries.size(), shown_most);
     for (size_t q = 0; q < shown; q++) {
-        const Extremes extremes = extremes_of(evaluation, q);
         html += foldable(
             "Query " + text_element("b", name_of(evaluation, evaluation.queries[q].traversal)),
-            q == 0,
-            element("div class=\"charts\"", chart_of(evaluation, extremes) +
-                                                element("div", table_of(evaluation, extremes))));
+            q == 0, explanation_of(evaluation, q));
     }
     return html;
 }

@@ -69,11 +69,12 @@ figcaption b { color: var(--ink); }
 }
 .charts > * { min-width: 0; }
 .charts svg { display: block; width: 100%; max-width: 34rem; }
-.charts .key svg, .charts svg.bar { display: inline-block; width: .7em; }
-.charts svg.bar { width: 5rem; height: .6rem; margin-left: .6rem; }
+.key svg, svg.bar { display: inline-block; width: .7em; }
+svg.bar { width: 5rem; height: .6rem; margin-left: .6rem; }
 svg text { font-size: 11px; fill: var(--faint); }
 svg line { stroke: var(--line); }
 .bar rect { fill: var(--bar); }
+.against rect { fill: var(--wrong); }
 circle { fill-opacity: .8; }
 .pair { display: flex; gap: 4px; }
 .pair > * { width: 160px; max-width: calc(50% - 2px); height: auto; display: block; }

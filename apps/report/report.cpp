@@ -6,7 +6,6 @@
 
 #include "program/print.hpp"
 #include "report/html.hpp"
-#include "report/page_style.hpp"
 #include "report/sections.hpp"
 #include "report/wording.hpp"
 
@@ -105,14 +104,6 @@ std::string making_section(const eval::Evaluation &evaluation, const std::string
 std::string report_of(const eval::Evaluation &evaluation,
                       const std::vector<eval::Ablation> &ablations, const std::string &command_line)
 {
-    // The policy keeps the page from fetching anything, whatever names it contains.
-    const std::string head =
-        "<meta charset=\"utf-8\">\n"
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
-        "style-src 'unsafe-inline'\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" +
-        text_element("title", "Experience selection on " + evaluation.dataset) + "\n" +
-        element("style", page_style);
     const std::string body = headline(evaluation) + averages_section(evaluation) +
                              rankings_section(evaluation) + localisers_section(evaluation) +
                              trust_section(evaluation) + reselection_section(evaluation) +
@@ -120,10 +111,7 @@ std::string report_of(const eval::Evaluation &evaluation,
                              correlation_section(evaluation) + matches_section(evaluation) +
                              neurons_section(evaluation) + ablations_section(ablations) +
                              making_section(evaluation, command_line);
-    return "<!DOCTYPE html>\n" +
-           element("html lang=\"en\"",
-                   "\n" + element("head", head) + "\n" + element("body", element("main", body))) +
-           "\n";
+    return page("Experience selection on " + evaluation.dataset, body);
 }
 
 } // namespace vdna::report

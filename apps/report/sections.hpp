@@ -38,7 +38,7 @@ std::string reselection_section(const eval::Evaluation &evaluation);
 // Pictures of right and wrong matches in the first choice. Reads picture files.
 std::string matches_section(const eval::Evaluation &evaluation);
 
-// Which neurons tell the references apart.
+// Which neurons tell the first choice from the second.
 std::string neurons_section(const eval::Evaluation &evaluation);
 
 // "" if there are none.
