@@ -146,8 +146,8 @@ class Page(unittest.TestCase):
                              "winter is 2.30 bins nearer than summer: 2 of 1280 neurons make 10 % of it.")
             reasons = self.browser.value("[...reasons.rows].map(row => [...row.cells].map(cell => cell.innerText))")
             self.assertEqual([[cell.strip() for cell in row] for row in reasons],
-                             [["embedding 512", "20 %", "100, 110, 401", "7 9", "11 0"],
-                              ["embedding 3", "-10 %", "20, 30, 10", "– –", "– –"]])
+                             [["embedding 512", "20.0 %", "100, 110, 401", "7, 9", "11, 0"],
+                              ["embedding 3", "-10.0 %", "20, 30, 10", "–, –", "–, –"]])
             self.assertEqual(self.browser.value("reasons.rows[1].className"), "against")
             self.browser.wait_for(text_of("problems") + ".includes('Damaged experiences left out: 1')")
             self.browser.value("raw.open = true")
@@ -157,7 +157,7 @@ class Page(unittest.TestCase):
     def test_is_used_by_keyboard(self):
         self.open()
         reached = []
-        for _ in range(4):
+        for _ in range(5):
             self.browser.press("Tab", 9)
             reached.append(self.browser.value("document.activeElement.innerText.split('\\n')[0] || document.activeElement.id"))
             self.assertEqual(self.browser.value("getComputedStyle(document.activeElement).outlineStyle"), "solid")

@@ -156,12 +156,12 @@ function example(experience, frame) {
 function reason_row(reason, margin, largest, [first, second]) {
   const name = make("th", "", `${reason.tap} ${reason.neuron}`);
   name.scope = "row";
-  const share = margin === 0 ? fixed(reason.bins, 3, " bins") : percent(reason.bins / margin);
+  const share = margin === 0 ? fixed(reason.bins, 3, " bins") : fixed(100 * reason.bins / margin, 1, " %");
   const bins = [reason.live_bin, reason.winner_bin, reason.runner_up_bin].map(bin => fixed(bin, 0)).join(", ");
   return make("tr", reason.bins < 0 ? "against" : "", name,
               make("td", "", share, bar(Math.abs(reason.bins) / largest)), make("td", "", bins),
-              make("td", "", example(first, reason.winner_most), " ", example(first, reason.winner_least)),
-              make("td", "", example(second, reason.runner_up_most), " ", example(second, reason.runner_up_least)));
+              make("td", "", example(first, reason.winner_most), ", ", example(first, reason.winner_least)),
+              make("td", "", example(second, reason.runner_up_most), ", ", example(second, reason.runner_up_least)));
 }
 
 // As the sentence of `vdna explain`.
