@@ -75,13 +75,18 @@ PictureNames::PictureNames(const fs::path &table, bool beside_table_only)
 }
 
 // Resolves different spellings of a path to the same one. Tables name many files in few folders,
-// and resolving a folder reads the disk, so its result is kept.
+// and resolving a folder reads the disk, so its result is kept. A folder that the disk does not
+// resolve, such as a loop of links, is taken as it is spelt.
 fs::path PictureNames::resolved(const fs::path &file) const
 {
     const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
     const auto found = folders_.try_emplace(folder);
-    if (found.second)
-        found.first->second = fs::weakly_canonical(fs::absolute(folder));
+    if (found.second) {
+        std::error_code failure;
+        found.first->second = fs::weakly_canonical(fs::absolute(folder), failure);
+        if (failure)
+            found.first->second = fs::absolute(folder).lexically_normal();
+    }
     return found.first->second / file.filename();
 }
 

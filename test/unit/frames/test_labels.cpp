@@ -65,6 +65,16 @@ void a_path_is_found_however_it_is_written(void **)
     assert_int_equal(*table.label("a.jpg").place, 7);
 }
 
+void a_folder_that_does_not_resolve_is_taken_as_it_is_spelt(void **)
+{
+    const std::string overlong(300, 'n');
+    const Table table("file,place\nloop/a.jpg,7\n./" + overlong + "/b.jpg,8\nc.jpg,9\n");
+    std::filesystem::create_symlink("loop", table.path() / "loop");
+    assert_int_equal(*table.label("loop/a.jpg").place, 7);
+    assert_int_equal(*table.label(overlong + "/b.jpg").place, 8);
+    assert_int_equal(*table.label("c.jpg").place, 9);
+}
+
 void metres_are_taken_as_they_are(void **)
 {
     assert_position(Table("file,x,y\na.jpg,1.5,-2\n").label("a.jpg"), 1.5, -2, 0);
@@ -511,6 +521,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(places_belong_to_files_beside_the_table),
         cmocka_unit_test(a_path_is_found_however_it_is_written),
+        cmocka_unit_test(a_folder_that_does_not_resolve_is_taken_as_it_is_spelt),
         cmocka_unit_test(metres_are_taken_as_they_are),
         cmocka_unit_test(degrees_become_earth_centred_metres),
         cmocka_unit_test(times_may_stand_alone_or_beside_places),
