@@ -219,10 +219,11 @@ void a_ranking_says_why_with_the_neurons_that_tell_its_first_two_apart(void **)
         ranking->winner_most[i] = i == 0 ? 7 : -1;
     }
     const std::string text = ranking.text();
-    assert_true(text.find("\n             text is 1.75 bins nearer than text: 2 of 1280 neurons make "
-                          "14 % of it\n             text 512: +0.5000 bins, mean bin live 100.5, "
-                          "first 110.2, second 400.8\n             text 513: -0.2500 bins") !=
-                std::string::npos);
+    assert_true(
+        text.find("\n             text is 1.75 bins nearer than text: 2 of 1280 neurons make "
+                  "14 % of it\n             text 512: +0.5000 bins, mean bin live 100.5, "
+                  "first 110.2, second 400.8\n             text 513: -0.2500 bins") !=
+        std::string::npos);
     const nlohmann::ordered_json json = ranking.json();
     assert_true(json["neurons"] == 1280 && json["reasons"].size() == 2);
     assert_true(json["reasons"][0]["tap"] == "text" && json["reasons"][0]["neuron"] == 512);
