@@ -4,8 +4,8 @@
 #include <vdna/int8.h>
 
 /* What one neuron adds. */
-static vdna_reason reason_of(const double *winner_emd_bins, const double *against_emd_bins,
-                             uint32_t neurons, uint32_t neuron)
+static vdna_reason neuron_share(const double *winner_emd_bins, const double *against_emd_bins,
+                                uint32_t neurons, uint32_t neuron)
 {
     const double winner = winner_emd_bins[neuron], against = against_emd_bins[neuron];
     const vdna_reason reason = {winner / neurons, against / neurons, (against - winner) / neurons,
@@ -23,7 +23,7 @@ vdna_status vdna_explain_sum(const double *winner_emd_bins, const double *agains
 
     vdna_reason sum = {0, 0, 0, first, count};
     for (uint32_t i = 0; i < count; i++) {
-        const vdna_reason one = reason_of(winner_emd_bins, against_emd_bins, neurons, first + i);
+        const vdna_reason one = neuron_share(winner_emd_bins, against_emd_bins, neurons, first + i);
         sum.winner_bins += one.winner_bins;
         sum.against_bins += one.against_bins;
         sum.margin_bins += one.margin_bins;
@@ -60,7 +60,7 @@ vdna_status vdna_explain_top(const double *winner_emd_bins, const double *agains
             return VDNA_ERR_NONFINITE;
 
     for (uint32_t n = 0; n < neurons; n++) {
-        const vdna_reason reason = reason_of(winner_emd_bins, against_emd_bins, neurons, n);
+        const vdna_reason reason = neuron_share(winner_emd_bins, against_emd_bins, neurons, n);
         insert_reason(out_reasons, n < wanted ? n : wanted, wanted, &reason);
     }
     return VDNA_OK;
