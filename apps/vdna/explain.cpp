@@ -139,12 +139,6 @@ std::string frames_text(const ExampleFrames &frames)
                            : std::to_string(frames.most) + " | " + std::to_string(frames.least);
 }
 
-std::string share_text(const Explainer &explainer, const vdna_reason &part)
-{
-    const double margin = explainer.whole().margin_bins;
-    return margin == 0 ? "-" : program::fixed(100 * part.margin_bins / margin, 1);
-}
-
 std::string reasons_text(const Told &told)
 {
     const Explainer &explainer = told.explanation.explainer;
@@ -155,9 +149,10 @@ std::string reasons_text(const Told &told)
     for (const Reason &reason : explainer.reasons())
         table.add_row({explainer.taps()[reason.tap].name, std::to_string(reason.index),
                        program::fixed(reason.part.margin_bins, 4),
-                       share_text(explainer, reason.part), program::fixed(reason.live_bin, 1),
-                       program::fixed(reason.winner_bin, 1), program::fixed(reason.against_bin, 1),
-                       frames_text(reason.of_winner), frames_text(reason.of_against)});
+                       report::share_text(explainer, reason.part),
+                       program::fixed(reason.live_bin, 1), program::fixed(reason.winner_bin, 1),
+                       program::fixed(reason.against_bin, 1), frames_text(reason.of_winner),
+                       frames_text(reason.of_against)});
     return table.text();
 }
 
@@ -170,7 +165,7 @@ std::string taps_text(const Told &told)
     for (const Tap &tap : explainer.taps()) {
         const vdna_reason part = explainer.of_tap(tap);
         table.add_row({tap.name, std::to_string(part.count), program::fixed(part.margin_bins, 4),
-                       share_text(explainer, part), program::fixed(part.winner_bins, 4),
+                       report::share_text(explainer, part), program::fixed(part.winner_bins, 4),
                        program::fixed(part.against_bins, 4)});
     }
     return table.text();
