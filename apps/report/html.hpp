@@ -24,6 +24,9 @@ std::string table(const std::string &caption_html, const std::string &head_html,
 // A foldable part of the page.
 std::string foldable(const std::string &summary_html, bool open, const std::string &html);
 
+// A whole page, which fetches nothing, whatever names it contains.
+std::string page(const std::string &title_text, const std::string &body_html);
+
 // "12.35", or a dash for an undefined number.
 std::string number_text(double value, int digits);
 
