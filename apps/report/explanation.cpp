@@ -50,8 +50,9 @@ std::string frames_cell(const ExampleFrames &frames)
 
 std::string pictures_cell(const ExamplePictures &pictures)
 {
-    return element("td", element("div class=\"pair\"", photo(pictures.most, "live, most") +
-                                                           photo(pictures.least, "live, least")));
+    return element("td", element("div class=\"pair\"",
+                                 photo_html(photo_jpeg(pictures.most), "live, most") +
+                                     photo_html(photo_jpeg(pictures.least), "live, least")));
 }
 
 bool has_bins(const Explainer &explainer)

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "program/print.hpp"
+#include "report/figure.hpp"
 #include "report/page_style.hpp"
 
 namespace vdna::report
@@ -71,6 +72,15 @@ std::string foldable(const std::string &summary_html, bool open, const std::stri
 {
     return element(open ? "details open" : "details", element("summary", summary_html) + html) +
            "\n";
+}
+
+std::string photo_html(const Encoded &picture, const std::string &text)
+{
+    if (picture.bytes.empty())
+        return element("span class=\"gone\"", "this picture cannot be read any more");
+    return "<img class=\"photo\" width=\"" + std::to_string(picture.columns) + "\" height=\"" +
+           std::to_string(picture.rows) + "\" alt=\"" + escaped(text) +
+           "\" src=\"data:image/jpeg;base64," + base64(picture.bytes) + "\">";
 }
 
 std::string page(const std::string &title_text, const std::string &body_html)

@@ -42,9 +42,9 @@ Curve curve_of(const eval::Evaluation &evaluation, const eval::PairResult &pair)
 Figure chart_of(const eval::Evaluation &evaluation, size_t query)
 {
     const Leaders leaders = leaders_of(evaluation, query);
-    const Figure chart =
-        curve_chart("neurons, largest EMD first", "EMD, bins",
-                    {curve_of(evaluation, *leaders.winner), curve_of(evaluation, *leaders.against)});
+    const Figure chart = curve_chart(
+        "neurons, largest EMD first", "EMD, bins",
+        {curve_of(evaluation, *leaders.winner), curve_of(evaluation, *leaders.against)});
     const Figure key = key_figure({"first: " + name_of(evaluation, leaders.winner->reference),
                                    "second: " + name_of(evaluation, leaders.against->reference)});
     return arranged("neurons-" + name_of(evaluation, evaluation.queries[query].traversal),
@@ -61,8 +61,8 @@ std::string explanation_of(const eval::Evaluation &evaluation, size_t query)
             "contributions of neurons");
     const Explanation explanation{name_of(evaluation, leaders.winner->reference),
                                   name_of(evaluation, leaders.against->reference), explainer};
-    return text_element("p", sentence_of(explanation)) +
-           charts({chart_of(evaluation, query)}) + reasons_table(explanation) +
+    return text_element("p", sentence_of(explanation)) + charts({chart_of(evaluation, query)}) +
+           reasons_table(explanation) +
            (explainer.taps().size() > 1 ? taps_table(explanation) : "");
 }
 

@@ -277,8 +277,10 @@ Outcome Daemon::change_choice(vdna_transport *transport, const vdna_transport_co
     const uint32_t recommended = first(), chosen = vdna_select_chosen(select);
     Outcome outcome = carry_out(*session_, command);
     const bool is_changed = recommended != first() || chosen != vdna_select_chosen(select);
-    if (first() != VDNA_SELECT_NONE && is_changed)
+    if (first() != VDNA_SELECT_NONE && is_changed) {
+        session_->ranking().explain(*select);
         announce_choice(transport, session_->ranking().fill_again(*select));
+    }
     return outcome;
 }
 

@@ -196,7 +196,6 @@ void RankingReport::explain(const vdna_select &select)
 const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select, bool is_switch)
 {
     is_switch_ = is_switch;
-    message_.repeated = 0;
     message_.utime = vdna_select_last_utime(&select);
     message_.window_begin_utime = vdna_select_first_utime(&select);
     message_.window_frames = static_cast<int32_t>(vdna_select_window_frames(&select));
@@ -205,6 +204,7 @@ const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select, bool is
 
 const vdna_msg_ranking_t &RankingReport::fill_again(const vdna_select &select)
 {
+    message_.repeated = 0;
     message_.margin_bins = vdna_select_margin_bins(&select);
     const vdna_rank_entry *const ranking = vdna_select_ranking(&select, nullptr);
     for (size_t i = 0; i < experiences_.size(); i++)
