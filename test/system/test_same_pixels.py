@@ -195,8 +195,8 @@ def prepare():
 
 
 def build(kind, source):
-    """Metadata and tensors of the experience file built from a source, but for what ordered the
-    frames, which differs, and the checksum."""
+    """Metadata and tensors of the experience file built from a source, but for the source's name and
+    what ordered the frames, which differ, and the checksum."""
     folder = os.path.join(WORK, kind, "built")
     vdna("build", folder, "--backbone", NETWORK, "--name", "live", "--force", "--ranges",
          os.path.join(MAP, "summer.vdna"), source)
@@ -204,7 +204,8 @@ def build(kind, source):
     begin = 8 + struct.unpack_from("<Q", data)[0]
     header = json.loads(data[8:begin])
     metadata = header.pop("__metadata__")
-    metadata.pop("order")
+    for differing in ("order", "source"):
+        metadata.pop(differing)
     header.pop("crc32c")
     return metadata, {name: data[begin + tensor["data_offsets"][0]:begin + tensor["data_offsets"][1]]
                       for name, tensor in header.items()}
