@@ -113,6 +113,8 @@ void Reception::take(const vdna_listener_message &message)
     Json json = view.json(message.data);
     if (kind == "status" && stands_by_another(json))
         return;
+    if (kind == "result")
+        return put(view.name, json);
     Json &newest = kind == "ranking" ? ranking_ : kind == "localisation" ? localisation_ : status_;
     const bool restarted =
         newest.is_object() && newest.value("instance", Json()) != json.value("instance", Json());
