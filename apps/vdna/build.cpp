@@ -2,14 +2,13 @@
 #include <algorithm>
 #include <set>
 
-#include <vdna/map_trust.h>
-
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
 #include "program/print.hpp"
 #include "record/addition.hpp"
 #include "record/maker.hpp"
 #include "record/map_change.hpp"
+#include "record/map_trust.hpp"
 #include "vdna/commands.hpp"
 #include "vdna/options.hpp"
 

@@ -18,6 +18,7 @@
 #include "record/addition.hpp"
 #include "record/live_recorder.hpp"
 #include "record/map_change.hpp"
+#include "vdna/commanding.hpp"
 #include "vdna/commands.hpp"
 #include "vdna/experience_table.hpp"
 #include "vdna/options.hpp"
@@ -40,6 +41,7 @@ struct RecordOptions {
     std::string ranges;
     bool no_thumbnails = false;
     bool force = false;
+    bool reload = false;
     bool json = false;
 };
 
@@ -49,6 +51,7 @@ struct Report {
     uint64_t memory_bytes;
     const record::LiveRecorder &recorder;
     frames::LiveCounts counts;
+    std::string reload; // what became of it, or why it failed; "" = not asked for
 };
 
 const char *text_of(record::LiveEnd end)
@@ -213,7 +216,9 @@ void print(const RecordOptions &options, const record::Draft &draft,
               << report.counts.skipped << " that came too fast, " << report.counts.late << " late, "
               << report.recorder.between() << " by --interval; " << report.counts.lost
               << " lost by the network, " << report.counts.rejected << " damaged; "
-              << mib_text(fs::file_size(file)) << "; " << text_of(report.end) << std::endl;
+              << mib_text(fs::file_size(file)) << "; " << text_of(report.end) << '\n';
+    if (!report.reload.empty())
+        std::cout << "reload: " << report.reload << '\n';
 }
 
 void print_json(const RecordOptions &options, const record::Draft &draft,
@@ -224,26 +229,42 @@ void print_json(const RecordOptions &options, const record::Draft &draft,
     program::Json verdicts = {{"not readable", report.recorder.verdicts()[VDNA_HEALTH_OK]}};
     for (uint32_t i = 1; i < VDNA_HEALTH_COUNT; i++)
         verdicts[vdna_health_text(i)] = report.recorder.verdicts()[i];
-    program::print_json({{"experience", draft.name},
-                         {"file", file.string()},
-                         {"frames", recording.frames},
-                         {"seconds", seconds_of(recording)},
-                         {"route_m", experience.frame_position ? program::Json(route_of(experience))
-                                                               : program::Json()},
-                         {"frames_labelled", labelled_of(recording)},
-                         {"frames_received", report.counts.received},
-                         {"frames_unusable", report.recorder.unusable()},
-                         {"unusable", verdicts},
-                         {"frames_skipped", report.counts.skipped},
-                         {"frames_late", report.counts.late},
-                         {"frames_between", report.recorder.between()},
-                         {"frames_lost", report.counts.lost},
-                         {"frames_rejected", report.counts.rejected},
-                         {"steps_back", report.counts.backwards},
-                         {"bytes", fs::file_size(file)},
-                         {"memory_bytes", report.memory_bytes},
-                         {"saturated_share", draft.histogram->saturated_share()},
-                         {"end", text_of(report.end)}});
+    program::print_json(
+        {{"experience", draft.name},
+         {"file", file.string()},
+         {"frames", recording.frames},
+         {"seconds", seconds_of(recording)},
+         {"route_m",
+          experience.frame_position ? program::Json(route_of(experience)) : program::Json()},
+         {"frames_labelled", labelled_of(recording)},
+         {"frames_received", report.counts.received},
+         {"frames_unusable", report.recorder.unusable()},
+         {"unusable", verdicts},
+         {"frames_skipped", report.counts.skipped},
+         {"frames_late", report.counts.late},
+         {"frames_between", report.recorder.between()},
+         {"frames_lost", report.counts.lost},
+         {"frames_rejected", report.counts.rejected},
+         {"steps_back", report.counts.backwards},
+         {"bytes", fs::file_size(file)},
+         {"memory_bytes", report.memory_bytes},
+         {"saturated_share", draft.histogram->saturated_share()},
+         {"end", text_of(report.end)},
+         {"reload", report.reload.empty() ? program::Json() : program::Json(report.reload)}});
+}
+
+// What the daemon said. The recording is written, so that nothing here is an error of it.
+std::string reload(const RecordOptions &options)
+{
+    constexpr double reload_timeout_s = 60; // the daemon reads the whole map
+    const Daemon daemon{options.live.url, VDNA_CHANNEL_COMMAND, VDNA_CHANNEL_COMMAND_RESULT,
+                        reload_timeout_s};
+    try {
+        return send_and_wait(daemon, *telemetry::find_command("reload"), "");
+    } catch (const Error &error) {
+        program::tell_once(std::string("reload: ") + error.what());
+        return error.what();
+    }
 }
 
 void record_drive(const RecordOptions &options)
@@ -279,7 +300,7 @@ void record_drive(const RecordOptions &options)
     announce(options, recorder, live);
     const record::LiveEnd end = recorder.record(draft);
     program::forget_interrupt(); // it has ended the drive, and shall not end what follows
-    const Report report{end, recorder.memory_bytes(), recorder, live.counts()};
+    Report report{end, recorder.memory_bytes(), recorder, live.counts(), ""};
     require_frames(options, draft, report);
     draft.recording.account.order = "utime";
     recorder.label(draft, options.source.gps_gap_s);
@@ -288,6 +309,8 @@ void record_drive(const RecordOptions &options)
     write(options, draft, maker, change);
     if (!remaining.empty())
         record::let_map_know_itself(options.map);
+    if (options.reload)
+        report.reload = reload(options);
     const vdna_experience experience = maker.experience_of(draft);
     options.json ? print_json(options, draft, experience, report)
                  : print(options, draft, experience, report);
@@ -348,6 +371,8 @@ void add_record(CLI::App &app)
         ->type_name("FILE");
     command->add_flag("--no-thumbnails", options->no_thumbnails, "leave out the thumbnails");
     command->add_flag("--force", options->force, "replace an existing experience");
+    command->add_flag("--reload", options->reload,
+                      "then tell vdna_selectord to open the map again, and print its answer");
     command->add_flag("--json", options->json, "report as JSON");
     command->footer(
         "Ends at Ctrl-C or SIGTERM, and then writes. Runs beside vdna_selectord, at low "
