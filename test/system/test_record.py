@@ -179,7 +179,7 @@ class Live(Records):
             for frame in range(12):
                 if frame == 6:
                     camera.send(grey_message(utime_of(frame), bytes(64 * 64)))  # a lens cap
-                    camera._number += 3  # lost on the way
+                    camera.lose(3)
                     time.sleep(0.5)
                 self.send(camera, frame, robot)
                 time.sleep(0.5)
