@@ -243,7 +243,7 @@ class Live(Records):
 
 @unittest.skipIf(SANITIZED, "memory is not the program's own")
 class Memory(Records):
-    SLACK = 6 << 20  # what the map's own file and the written one take for a moment
+    SLACK = 12 << 20  # what the map's own file and the written one take for a moment
 
     def log_of(self, frames, poses):
         """Raw pictures, each of its own, and then poses."""
