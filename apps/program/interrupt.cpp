@@ -37,6 +37,12 @@ bool interrupted()
     return signalled != 0;
 }
 
+void forget_interrupt()
+{
+    signalled = 0;
+    catch_interrupts();
+}
+
 void require_not_interrupted()
 {
     if (interrupted())

@@ -11,6 +11,10 @@ void catch_interrupts();
 // True after a signal.
 bool interrupted();
 
+// For work that a signal ends well: from now on interrupted() is false until the next signal, which
+// is again only recorded.
+void forget_interrupt();
+
 // Throws Error with exit_interrupted after a signal.
 void require_not_interrupted();
 

@@ -17,9 +17,9 @@ namespace fs = std::filesystem;
 // Memory limit for activations, which save a second run of the network.
 constexpr size_t activation_bytes_max = size_t{512} << 20;
 
-void count(Draft &draft, const Pass &pass)
+void count(Draft &draft, const frames::Frame &frame, const vdna_backbone_frame &output)
 {
-    draft.histogram->add(pass.output().taps, pass.output().tap_count, pass.frame().name);
+    draft.histogram->add(output.taps, output.tap_count, frame.name);
 }
 
 void end_recording(Draft &draft, const Pass &pass)
@@ -29,13 +29,13 @@ void end_recording(Draft &draft, const Pass &pass)
 }
 
 // Of finite numbers, as a backbone gives them.
-Codes encoded(const std::vector<float> &values, size_t rows)
+void encode_into(Codes &to, const std::vector<float> &values, size_t rows)
 {
     const size_t dim = values.size() / rows;
-    Codes to{std::vector<int8_t>(values.size()), std::vector<float>(values.empty() ? 0 : rows)};
+    to.codes.resize(values.size());
+    to.scales.resize(values.empty() ? 0 : rows);
     for (size_t i = 0; i < to.scales.size(); i++)
         vdna_int8_encode(&values[dim * i], dim, &to.codes[dim * i], &to.scales[i]);
-    return to;
 }
 
 // The numbers as a file has them, NULL for those that it does not have.
@@ -72,9 +72,44 @@ void Maker::make(std::vector<Draft> &drafts, uint32_t range_rule)
         for (Draft &draft : drafts)
             record_and_count(draft);
     }
-    project(drafts);
+    learn_projection(drafts);
     for (Draft &draft : drafts)
-        encode(draft);
+        end(draft);
+}
+
+void Maker::begin(Draft &draft, uint32_t frames_max)
+{
+    const vdna_backbone_info &network = backbone_.info();
+    const uint32_t dim = network.identity.dim, last_layer_dim = network.last_layer_dim;
+    const size_t room = frames_max;
+    draft.histogram.emplace(ranges_.values, bins_);
+    draft.recording.reserve(frames_max, dim, last_layer_dim, thumbnails_.has_value());
+    draft.embedding.codes.reserve(keeps_codes() ? room * dim : 0);
+    draft.embedding.scales.reserve(keeps_codes() ? room : 0);
+    draft.last_layer.codes.reserve(room * last_layer_dim);
+    draft.last_layer.scales.reserve(room);
+}
+
+void Maker::add(Draft &draft, const frames::Frame &frame, const vdna_backbone_frame &output)
+{
+    record(draft, frame, output);
+    count(draft, frame, output);
+}
+
+void Maker::end(Draft &draft)
+{
+    record::project(draft.recording, blank().identity);
+    encode(draft);
+}
+
+size_t Maker::frame_bytes() const
+{
+    const vdna_backbone_info &network = backbone_.info();
+    const auto codes = [](uint32_t dim) { return dim > 0 ? dim + sizeof(float) : 0; };
+    return Recording::frame_bytes(network.identity.dim, network.last_layer_dim,
+                                  thumbnails_.has_value()) +
+           (projection_ ? projection_->dims() * sizeof(float) : 0) +
+           (keeps_codes() ? codes(network.identity.dim) : 0) + codes(network.last_layer_dim);
 }
 
 void Maker::keep_as(const vdna_experience &there)
@@ -89,43 +124,39 @@ void Maker::keep_as(const vdna_experience &there)
     projection_ = projection_of(there.identity);
 }
 
-void Maker::project(std::vector<Draft> &drafts)
+void Maker::learn_projection(const std::vector<Draft> &drafts)
 {
     const vdna_backbone_info &network = backbone_.info();
-    if (!projection_ && network.embedding_dims > 0) {
-        std::vector<const Recording *> parts;
-        for (const Draft &draft : drafts)
-            parts.push_back(&draft.recording);
-        projection_ = principal_directions(parts, network.identity.dim, network.embedding_dims,
-                                           std::string("backbone ") + network.identity.backbone);
-    }
-    for (Draft &draft : drafts)
-        record::project(draft.recording, blank().identity);
+    if (projection_ || network.embedding_dims == 0)
+        return;
+    std::vector<const Recording *> parts;
+    for (const Draft &draft : drafts)
+        parts.push_back(&draft.recording);
+    projection_ = principal_directions(parts, network.identity.dim, network.embedding_dims,
+                                       std::string("backbone ") + network.identity.backbone);
 }
 
 void Maker::encode(Draft &draft) const
 {
     const Recording &r = draft.recording;
-    if (backbone_.info().embedding_int8 != 0)
-        draft.embedding = encoded(r.embeddings, r.frames);
-    draft.last_layer = encoded(r.last_layer, r.frames);
+    if (keeps_codes())
+        encode_into(draft.embedding, r.embeddings, r.frames);
+    encode_into(draft.last_layer, r.last_layer, r.frames);
 }
 
-void Maker::record(Draft &draft, const Pass &pass)
+void Maker::record(Draft &draft, const frames::Frame &frame, const vdna_backbone_frame &output)
 {
-    draft.recording.add(pass);
+    draft.recording.add(frame, output);
     if (thumbnails_)
-        draft.recording.add_thumbnail(thumbnails_->of(pass.frame()));
+        draft.recording.add_thumbnail(thumbnails_->of(frame));
 }
 
 void Maker::record_and_count(Draft &draft)
 {
     draft.histogram.emplace(ranges_.values, bins_);
     Pass pass(draft.source, options_, backbone_);
-    while (pass.next()) {
-        record(draft, pass);
-        count(draft, pass);
-    }
+    while (pass.next())
+        add(draft, pass.frame(), pass.output());
     end_recording(draft, pass);
 }
 
@@ -135,7 +166,7 @@ void Maker::calibrate(std::vector<Draft> &drafts, uint32_t range_rule)
     for (Draft &draft : drafts) {
         Pass pass(draft.source, options_, backbone_);
         while (pass.next()) {
-            record(draft, pass);
+            record(draft, pass.frame(), pass.output());
             calibration.observe(pass.output(), pass.frame().name);
             store_.add(pass.output());
         }
@@ -165,7 +196,7 @@ void Maker::count_stored(std::vector<Draft> &drafts) const
 void Maker::count_again(Draft &draft)
 {
     for (Pass pass(draft.source, options_, backbone_); pass.next();)
-        count(draft, pass);
+        count(draft, pass.frame(), pass.output());
     if ((*draft.histogram)->frames != draft.recording.frames)
         throw Error(draft.source + ": changed while it was read");
 }

@@ -57,6 +57,14 @@ class Maker
     // Error, also for a source without a usable frame.
     void make(std::vector<Draft> &drafts, uint32_t range_rule);
 
+    // The same of one draft, frame by frame, with ranges that are known: begin(), add() each frame,
+    // end(). begin() makes all the room that so many frames need, and may throw std::bad_alloc.
+    void begin(Draft &draft, uint32_t frames_max);
+    void add(Draft &draft, const frames::Frame &frame, const vdna_backbone_frame &output);
+    void end(Draft &draft);
+    // The room of a frame, in bytes: kept from begin() on, or needed by end().
+    size_t frame_bytes() const;
+
     // Everything except name and frames; range and projection are borrowed, and NULL until they are
     // known.
     vdna_experience blank() const;
@@ -68,13 +76,14 @@ class Maker
     const std::string &ranges_origin() const { return ranges_.origin; }
 
   private:
-    void record(Draft &draft, const Pass &pass);
+    void record(Draft &draft, const frames::Frame &frame, const vdna_backbone_frame &output);
     void record_and_count(Draft &draft);
     void calibrate(std::vector<Draft> &drafts, uint32_t range_rule);
     void count_stored(std::vector<Draft> &drafts) const;
     void count_again(Draft &draft);
-    void project(std::vector<Draft> &drafts);
+    void learn_projection(const std::vector<Draft> &drafts);
     void encode(Draft &draft) const;
+    bool keeps_codes() const { return backbone_.info().embedding_int8 != 0; }
 
     Backbone &backbone_;
     const frames::SourceOptions &options_;

@@ -45,14 +45,21 @@ bool Pass::run()
     if (!source_.next(frame_))
         return false;
     frame_.image = frames::camera_image(frame_.image, frame_.name, converter_);
+    output_ = run_network(backbone_, frame_);
+    return true;
+}
+
+vdna_backbone_frame run_network(Backbone &backbone, const frames::Frame &frame)
+{
+    vdna_backbone_frame output{};
     vdna_error error{};
-    const vdna_status status = vdna_backbone_run(backbone_.get(), &frame_.image, &error, &output_);
-    const std::string sentence = frame_.name + ": " + error.text;
+    const vdna_status status = vdna_backbone_run(backbone.get(), &frame.image, &error, &output);
+    const std::string sentence = frame.name + ": " + error.text;
     if (status == VDNA_ERR_FORMAT || status == VDNA_ERR_UNSUPPORTED || status == VDNA_ERR_NONFINITE)
         throw frames::BadFrame(sentence);
     if (status != VDNA_OK)
         throw Error(sentence);
-    return true;
+    return output;
 }
 
 } // namespace vdna::record

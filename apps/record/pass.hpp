@@ -12,6 +12,10 @@
 namespace vdna::record
 {
 
+// Run the network on one frame, as a camera sends it. The result is borrowed until the next run.
+// Throws BadFrame if the picture cannot be used, or Error.
+vdna_backbone_frame run_network(Backbone &backbone, const frames::Frame &frame);
+
 // Usage: for (Pass pass(...); pass.next();) use(pass.frame(), pass.output());
 // Shows progress, and ends with exit_interrupted on Ctrl-C.
 class Pass

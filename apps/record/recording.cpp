@@ -35,19 +35,52 @@ void Recording::add(const frames::Frame &frame, const vdna_backbone_frame &outpu
     frames++;
     index.push_back(frame.index);
     utime.push_back(frame.utime);
-    add(frame.label, frame.name);
+    label(frames - 1, frame.label, frame.name);
     grey.push_back(output.grey);
     embeddings.insert(embeddings.end(), output.embedding, output.embedding + output.dim);
     last_layer.insert(last_layer.end(), output.last_layer,
                       output.last_layer + output.last_layer_dim);
 }
 
-void Recording::add(const frames::Label &label, const std::string &name)
+void Recording::label_by(frames::TrackJoin track)
+{
+    for (uint32_t i = 0; i < frames; i++) {
+        frames::Label found;
+        track.label_next(utime[i], found);
+        label(i, found, "frame " + std::to_string(i));
+    }
+    track.finish();
+}
+
+void Recording::reserve(uint32_t frames_max, uint32_t dim, uint32_t last_layer_dim,
+                        bool has_thumbnails)
+{
+    const size_t room = frames_max;
+    index.reserve(room);
+    utime.reserve(room);
+    position.reserve(3 * room);
+    grey.reserve(room);
+    embeddings.reserve(room * dim);
+    last_layer.reserve(room * last_layer_dim);
+    if (!has_thumbnails)
+        return;
+    thumbnails.reserve(room * VDNA_THUMBNAIL_MAX);
+    thumbnail_end.reserve(room);
+}
+
+size_t Recording::frame_bytes(uint32_t dim, uint32_t last_layer_dim, bool has_thumbnails)
+{
+    const size_t numbers = sizeof(uint64_t) + sizeof(int64_t) + 3 * sizeof(double) + sizeof(float);
+    const size_t embeddings = (size_t{dim} + last_layer_dim) * sizeof(float);
+    return numbers + embeddings + (has_thumbnails ? VDNA_THUMBNAIL_MAX + sizeof(uint32_t) : 0);
+}
+
+void Recording::label(uint32_t frame, const frames::Label &label, const std::string &name)
 {
     // The first label shows that the frames before it had none.
     if (label.place || !place.empty()) {
         place.resize(frames, VDNA_PLACE_NONE);
-        place.back() = label.place.value_or(VDNA_PLACE_NONE);
+        place[frame] = label.place.value_or(VDNA_PLACE_NONE);
     }
     if (label.position || !position.empty())
         position.resize(size_t{3} * frames, std::numeric_limits<double>::quiet_NaN());
@@ -57,7 +90,7 @@ void Recording::add(const frames::Label &label, const std::string &name)
         if (label.position_frame != position_frame)
             throw Error(name + ": its position is in frame " + label.position_frame +
                         ", expected " + position_frame + " as before");
-        std::copy(label.position->begin(), label.position->end(), position.end() - 3);
+        std::copy(label.position->begin(), label.position->end(), &position[size_t{3} * frame]);
     }
     without_truth += label.lacks_truth;
 }

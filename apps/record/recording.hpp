@@ -48,10 +48,19 @@ struct Recording {
     void require_frames(const std::string &source) const;
     // Append a frame and its network output. Throws Error if its position is in another frame.
     void add(const frames::Frame &frame, const vdna_backbone_frame &output);
+    // Give the frames the positions that a track has for their times; they have no labels yet.
+    // Throws Error as TrackJoin does.
+    void label_by(frames::TrackJoin track);
+
+    // Make room, so that no more is allocated up to this many frames. dim, last_layer_dim: of what
+    // the network gives.
+    void reserve(uint32_t frames_max, uint32_t dim, uint32_t last_layer_dim, bool has_thumbnails);
+    // The room of a frame.
+    static size_t frame_bytes(uint32_t dim, uint32_t last_layer_dim, bool has_thumbnails);
 
   private:
-    // name: of the frame, for the error.
-    void add(const frames::Label &label, const std::string &name);
+    // frame: counted from 0; name: of it, for the error.
+    void label(uint32_t frame, const frames::Label &label, const std::string &name);
 };
 
 } // namespace vdna::record

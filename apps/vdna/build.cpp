@@ -4,9 +4,8 @@
 
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
-#include "program/notice.hpp"
 #include "program/print.hpp"
-#include "record/experiences.hpp"
+#include "record/addition.hpp"
 #include "record/maker.hpp"
 #include "record/map_change.hpp"
 #include "record/map_trust.hpp"
@@ -45,19 +44,6 @@ std::string name_of(const std::string &source)
     return name;
 }
 
-void require_name(const std::string &name, const std::string &source)
-{
-    if (vdna_name_check(name.c_str(), nullptr) != VDNA_OK || name[0] == '.')
-        throw program::UsageError(source + ": cannot be the experience '" + name +
-                                  "', expected 1 to " + std::to_string(VDNA_NAME_SIZE - 1) +
-                                  " " VDNA_NAME_ALPHABET " and no '.' first; set --name");
-}
-
-fs::path file_of(const BuildOptions &options, const record::Draft &draft)
-{
-    return fs::path(options.map) / (draft.name + VDNA_MAP_EXTENSION);
-}
-
 // The experiences to make. Refuses a name that is taken before any work.
 std::vector<record::Draft> drafts_of(const BuildOptions &options)
 {
@@ -79,117 +65,19 @@ std::vector<record::Draft> drafts_of(const BuildOptions &options)
         record::Draft draft;
         draft.source = source;
         draft.name = options.name.empty() ? name_of(source) : options.name;
-        require_name(draft.name, source);
+        record::require_name(draft.name, source);
         if (!names.insert(draft.name).second)
             throw program::UsageError(
                 source + ": another source also becomes the experience " + draft.name +
                 "; build them one by one with --name, or set --join if they are one "
                 "drive");
-        if (fs::exists(file_of(options, draft)) && !options.force)
-            throw Error(file_of(options, draft).string() +
+        if (fs::exists(record::file_of(options.map, draft)) && !options.force)
+            throw Error(record::file_of(options.map, draft).string() +
                         ": exists already; replace it with --force, or "
                         "choose another --name");
         drafts.push_back(std::move(draft));
     }
     return drafts;
-}
-
-// The experiences of the map that will remain afterwards.
-std::vector<Experience> remaining_of(const BuildOptions &options,
-                                     const std::vector<record::Draft> &drafts)
-{
-    std::vector<Experience> remaining;
-    for (const fs::path &file : record::experience_files(options.map)) {
-        const auto replaced = [&](const record::Draft &draft) {
-            return file_of(options, draft) == file;
-        };
-        if (std::none_of(drafts.begin(), drafts.end(), replaced))
-            remaining.emplace_back(file);
-    }
-    return remaining;
-}
-
-std::string backbone_of(const BuildOptions &options, const std::vector<Experience> &remaining)
-{
-    if (!options.network.backbone.empty())
-        return options.network.backbone;
-    return remaining.empty() ? VDNA_BACKBONE_DEFAULT : remaining.front()->identity.backbone;
-}
-
-uint32_t bins_of(const BuildOptions &options, const std::vector<Experience> &remaining)
-{
-    if (options.bins != 0)
-        return options.bins;
-    return remaining.empty() ? VDNA_HIST_BINS_DEFAULT : remaining.front()->identity.bins;
-}
-
-// Use the given ranges or those of the map, if any.
-void find_ranges(const BuildOptions &options, const std::vector<Experience> &remaining,
-                 const Backbone &backbone, record::Maker &maker)
-{
-    if (options.ranges.empty() && remaining.empty())
-        return;
-    record::Ranges ranges = record::read_ranges(
-        options.ranges.empty() ? remaining.front().path().string() : options.ranges);
-    if (!options.ranges.empty())
-        record::require_backbone(ranges, backbone.info());
-    maker.use(std::move(ranges));
-}
-
-// Keep of embeddings what the map's experiences keep, or the one whose ranges are used if that has
-// a projection of the same embeddings.
-void find_projection(const BuildOptions &options, const std::vector<Experience> &remaining,
-                     const Backbone &backbone, record::Maker &maker)
-{
-    if (!remaining.empty())
-        return maker.keep_as(*remaining.front().get());
-    if (fs::path(options.ranges).extension() != VDNA_MAP_EXTENSION)
-        return;
-    const Experience there(options.ranges);
-    if (there->identity.projection &&
-        vdna_identity_compare(&there->identity, &backbone.info().identity, nullptr) == VDNA_OK)
-        maker.keep_as(*there.get());
-}
-
-// New experiences must compare with the existing ones; check this before the work.
-void require_comparable(const std::vector<Experience> &remaining,
-                        const std::vector<record::Draft> &drafts, const record::Maker &maker)
-{
-    const vdna_experience probe = maker.blank();
-    for (const Experience &there : remaining) {
-        vdna_error error{};
-        if (vdna_experience_compare(there.get(), &probe, &error) != VDNA_OK)
-            throw Error(there.path().string() +
-                        ": does not compare with what is to be built: " + error.text +
-                        "; use the map's backbone, bins and ranges, or rebuild all of its "
-                        "experiences with --force");
-        for (const record::Draft &draft : drafts)
-            if (draft.name == there->name)
-                throw Error(there.path().string() + ": is already called " + draft.name +
-                            "; choose another --name");
-    }
-}
-
-// Positions compare only within a frame, so one map has one.
-void require_one_frame(const std::vector<Experience> &remaining,
-                       const std::vector<record::Draft> &drafts)
-{
-    std::string frame, where;
-    const auto require_same = [&](const std::string &other, const std::string &path) {
-        if (frame.empty()) {
-            frame = other;
-            where = path;
-        }
-        if (!other.empty() && other != frame)
-            throw Error(path + ": not labelled alike: its positions are in frame " + other +
-                        ", those of " + where + " in " + frame +
-                        "; give both lat,lon or both x,y, name their frame with --frame, or leave "
-                        "the positions out");
-    };
-    for (const Experience &there : remaining)
-        require_same(there->position_frame, there.path().string());
-    for (const record::Draft &draft : drafts)
-        require_same(draft.recording.position_frame, draft.source);
 }
 
 void write(const std::vector<record::Draft> &drafts, const record::Maker &maker,
@@ -203,22 +91,11 @@ void write(const std::vector<record::Draft> &drafts, const record::Maker &maker,
     change.commit();
 }
 
-// The map is complete without it, so what prevents it is only said.
-void let_map_know_itself(const std::string &map)
-{
-    try {
-        record::renew_map_trust(map);
-    } catch (const Error &error) {
-        program::tell_once(std::string(error.what()) + "; the map is complete, but will not " +
-                           "predict recall before `vdna calibrate --trust " + map + "`");
-    }
-}
-
 void report(const BuildOptions &options, const std::vector<record::Draft> &drafts,
             const record::Maker &maker)
 {
     for (const record::Draft &draft : drafts) {
-        const fs::path file = file_of(options, draft);
+        const fs::path file = record::file_of(options.map, draft);
         std::cout << file.string() << ": " << draft.recording.frames << " frames, "
                   << maker.blank().identity.neurons << " neurons x " << maker.bins() << " bins, "
                   << fs::file_size(file) << " bytes, "
@@ -238,7 +115,7 @@ void report_json(const BuildOptions &options, const std::vector<record::Draft> &
     const vdna_experience blank = maker.blank();
     program::Json experiences = program::Json::array();
     for (const record::Draft &draft : drafts) {
-        const fs::path file = file_of(options, draft);
+        const fs::path file = record::file_of(options.map, draft);
         program::Json json = {{"experience", draft.name},
                               {"file", file.string()},
                               {"source", draft.source},
@@ -261,19 +138,20 @@ void build(const BuildOptions &options)
 {
     std::vector<record::Draft> drafts = drafts_of(options);
     record::MapChange change(options.map);
-    const std::vector<Experience> remaining = remaining_of(options, drafts);
-    Backbone backbone(backbone_of(options, remaining), options.network.threads);
-    record::Maker maker(backbone, options.source, bins_of(options, remaining));
-    find_ranges(options, remaining, backbone, maker);
-    find_projection(options, remaining, backbone, maker);
-    require_comparable(remaining, drafts, maker);
+    const std::vector<Experience> remaining = record::remaining_in(options.map, drafts);
+    Backbone backbone(record::backbone_of(options.network.backbone, remaining),
+                      options.network.threads);
+    record::Maker maker(backbone, options.source, record::bins_of(options.bins, remaining));
+    record::find_ranges(options.ranges, remaining, backbone, maker);
+    record::find_projection(options.ranges, remaining, backbone, maker);
+    record::require_comparable(remaining, drafts, maker);
     if (!options.no_thumbnails)
         maker.add_thumbnails();
     maker.make(drafts, options.range_rule);
-    require_one_frame(remaining, drafts);
+    record::require_one_frame(remaining, drafts);
     write(drafts, maker, change);
     if (remaining.size() + drafts.size() > 1)
-        let_map_know_itself(options.map);
+        record::let_map_know_itself(options.map);
     for (const record::Draft &draft : drafts)
         tell(draft.source, draft.recording.account);
     options.json ? report_json(options, drafts, maker) : report(options, drafts, maker);

@@ -21,24 +21,6 @@ std::pair<int64_t, int64_t> times_of(const vdna_experience &e)
     return {*first, *last};
 }
 
-// Metres along the frames that have a position.
-double route_of(const vdna_experience &e)
-{
-    const std::vector<double> m = record::on_the_ground(
-        e.frame_position, e.frames, std::strcmp(e.position_frame, VDNA_FRAME_WGS84) == 0);
-    double length = 0;
-    const double *before = nullptr;
-    for (size_t i = 0; i < e.frames; i++) {
-        const double *const here = &m[3 * i];
-        if (std::isnan(here[0]))
-            continue;
-        if (before)
-            length += std::hypot(here[0] - before[0], here[1] - before[1], here[2] - before[2]);
-        before = here;
-    }
-    return length;
-}
-
 size_t places_of(const vdna_experience &e)
 {
     std::set<int64_t> places(e.frame_place, e.frame_place + e.frames);
@@ -76,6 +58,23 @@ uint32_t thumbnails_of(const vdna_experience &e)
 }
 
 } // namespace
+
+double route_of(const vdna_experience &e)
+{
+    const std::vector<double> m = record::on_the_ground(
+        e.frame_position, e.frames, std::strcmp(e.position_frame, VDNA_FRAME_WGS84) == 0);
+    double length = 0;
+    const double *before = nullptr;
+    for (size_t i = 0; i < e.frames; i++) {
+        const double *const here = &m[3 * i];
+        if (std::isnan(here[0]))
+            continue;
+        if (before)
+            length += std::hypot(here[0] - before[0], here[1] - before[1], here[2] - before[2]);
+        before = here;
+    }
+    return length;
+}
 
 program::Json look_of(const vdna_experience &e)
 {

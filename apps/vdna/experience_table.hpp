@@ -11,6 +11,9 @@
 namespace vdna::tool
 {
 
+// Metres along the frames that have a position; with positions.
+double route_of(const vdna_experience &experience);
+
 // What the JSON of one experience says beside its file's own numbers: "source", "dates" (of the
 // first and the last frame, ISO 8601, null if its stamps are no dates), "route_m" (null without
 // positions), "thumbnails" (frames that have one), "thumbnail_bytes".

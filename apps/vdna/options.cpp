@@ -123,8 +123,13 @@ void add_labels_option(CLI::App &command, frames::SourceOptions &options)
                     "lat,lon[,alt] in degrees, and utime in microseconds if known; empty cells: no "
                     "ground truth (default: SOURCE/labels.csv if it exists)")
         ->type_name("CSV");
+    add_frame_option(command, options.label_options.local_frame);
+}
+
+void add_frame_option(CLI::App &command, std::string &frame)
+{
     command
-        .add_option("--frame", options.label_options.local_frame,
+        .add_option("--frame", frame,
                     "name of the local frame of x,y[,z]: positions compare only within a frame "
                     "(default: column position_frame of the table, else local)")
         ->check([](const std::string &name) {
@@ -139,6 +144,16 @@ void add_altitude_option(CLI::App &command, bool &with_altitude)
 {
     command.add_flag("--with-altitude", with_altitude,
                      "tolerances in metres also count altitude (default: horizontal distances)");
+}
+
+void add_gap_option(CLI::App &command, double &gap_s)
+{
+    command
+        .add_option("--gps-gap", gap_s,
+                    "frames between two fixes of a track that are further apart have no position")
+        ->check(program::within(0.001, 3600))
+        ->type_name("SECONDS")
+        ->capture_default_str();
 }
 
 void add_track_options(CLI::App &command, frames::SourceOptions &options)
@@ -156,12 +171,7 @@ void add_track_options(CLI::App &command, frames::SourceOptions &options)
                     "foxglove.LocationFix or sensor_msgs' NavSatFix: as --gps")
         ->type_name("CHANNEL")
         ->excludes(gps);
-    command
-        .add_option("--gps-gap", options.gps_gap_s,
-                    "frames between two fixes of a track that are further apart have no position")
-        ->check(program::within(0.001, 3600))
-        ->type_name("SECONDS")
-        ->capture_default_str();
+    add_gap_option(command, options.gps_gap_s);
     command
         .add_option_function<std::string>(
             "--time-offset",

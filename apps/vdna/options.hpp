@@ -39,8 +39,14 @@ void tell(const std::string &source, const frames::Account &account);
 // --gps, --pose-channel, --gps-gap, --time-offset.
 void add_track_options(CLI::App &command, frames::SourceOptions &options);
 
+// --gps-gap
+void add_gap_option(CLI::App &command, double &gap_s);
+
 // --labels, --frame.
 void add_labels_option(CLI::App &command, frames::SourceOptions &options);
+
+// --frame
+void add_frame_option(CLI::App &command, std::string &frame);
 
 // --with-altitude.
 void add_altitude_option(CLI::App &command, bool &with_altitude);

@@ -266,6 +266,10 @@ class Camera:
         self._number += 1
         self.send_datagram(header + self._channel + b"\0" + message)
 
+    def lose(self, messages):
+        """Number messages that never come."""
+        self._number += messages
+
     def send_jpeg(self, utime, data):
         """Send a well-formed camera message; its data need not be a JPEG."""
         self.send(image_message(utime, data))

@@ -2,11 +2,15 @@
 #include <cmath>
 #include <cstring>
 
+#include <bot_core_pose_t.h>
+#include <vdna_messages.h>
+
 #include <vdna/cpp/error.hpp>
 #include <vdna/geodesy.h>
 
 #include "cmocka.hpp"
 #include "folder.hpp"
+#include "frames/pose_track.hpp"
 #include "frames/source.hpp"
 
 using vdna::frames::Frame;
@@ -183,6 +187,31 @@ void only_logs_have_channels(void **)
     fail_msg("a folder was accepted");
 }
 
+// A hundred poses a second for ten seconds, and a frame each 130 ms, the last ones before a pose
+// that is to come.
+void thinned_poses_give_the_frames_so_far_and_those_to_come_the_same_positions(void **)
+{
+    vdna::frames::Poses all("local"), thinned("local");
+    std::vector<int64_t> frames, to_come;
+    for (int64_t utime = 5000; utime < 10000000; utime += 130000)
+        (utime < 9500000 ? frames : to_come).push_back(utime);
+    for (int64_t i = 0; i <= 1000; i++) {
+        const auto x = static_cast<double>(i * i);
+        const bot_core_pose_t pose{10000 * (i ^ 1), {x, -x, 1}, {}, {}, {}, {}}; // pairs swapped
+        assert_true(all.take(vdna_message_pose, &pose));
+        assert_true(thinned.take(vdna_message_pose, &pose));
+    }
+    thinned.thin(frames, 100);
+    assert_in_range(thinned.size(), frames.size(), 2 * frames.size() + 100);
+    assert_true(thinned.newest_utime() == all.newest_utime());
+    const auto before = all.track("all", 1000000), after = thinned.track("thinned", 1000000);
+    frames.insert(frames.end(), to_come.begin(), to_come.end());
+    for (const int64_t utime : frames) {
+        assert_true(before.at(utime).has_value());
+        assert_true(before.at(utime) == after.at(utime));
+    }
+}
+
 } // namespace
 
 int main()
@@ -194,6 +223,7 @@ int main()
         cmocka_unit_test(a_channel_that_is_not_there_is_refused_with_those_that_are),
         cmocka_unit_test(messages_of_another_type_are_refused_with_their_fingerprint),
         cmocka_unit_test(only_logs_have_channels),
+        cmocka_unit_test(thinned_poses_give_the_frames_so_far_and_those_to_come_the_same_positions),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
