@@ -48,7 +48,7 @@ constexpr double nice_max = 19;
 constexpr double tolerance_max = 1e6;
 constexpr double switch_cost_max = 1e6;
 
-const std::array<Setting, 38> settings{{
+const std::array<Setting, 41> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max},
     {"map", "copy", &Config::copy_map, 0, 0},
     {"map", "leave_out_damaged", &Config::leave_out_damaged, 0, 0},
@@ -66,6 +66,8 @@ const std::array<Setting, 38> settings{{
     {"select", "stop_early", &Config::stop_early, 0, 0},
     {"select", "reselect", &Config::reselect, 0, 0},
     {"select", "switch_cost", &Config::switch_cost, 1, switch_cost_max},
+    {"select", "pin", &Config::pin, 0, VDNA_NAME_SIZE - 1},
+    {"select", "shadow", &Config::shadow, 0, 0},
     {"localise", "filter", &Config::place_filter, 0, 0},
     {"localise", "min_confidence", &Config::min_confidence, 0, 1},
     {"localise", "tolerance", &Config::tolerance, 0, tolerance_max},
@@ -78,6 +80,7 @@ const std::array<Setting, 38> settings{{
     {"lcm", "camera", &Config::camera_channel, 1, channel_max},
     {"lcm", "late_seconds", &Config::late_seconds, 0, warmup_seconds_max},
     {"lcm", "command", &Config::command_channel, 1, channel_max},
+    {"lcm", "command_result", &Config::command_result_channel, 1, channel_max},
     {"lcm", "ranking", &Config::ranking_channel, 1, channel_max},
     {"lcm", "localisation", &Config::localisation_channel, 1, channel_max},
     {"lcm", "status", &Config::status_channel, 1, channel_max},

@@ -38,7 +38,9 @@ struct Config {
     bool stop_early = true;        // choose as soon as the choice has settled
     bool reselect = true;          // choose again while driving; only with the place filter
     double switch_cost = trust_defaults().switch_cost; // frames that a switch must gain
-    bool place_filter = true;                          // otherwise by the nearest frame alone
+    std::string pin; // name of an experience to localise in whatever the ranking says; "" = none
+    bool shadow = false;      // recommend only: the first choice stays
+    bool place_filter = true; // otherwise by the nearest frame alone
     double min_confidence = VDNA_LOCALISE_MIN_CONFIDENCE_DEFAULT; // below it an answer is UNSURE
     double tolerance = 5;     // metres, or place numbers: as far apart, frames are the same place
     bool frame_health = true; // leave out pictures that show nothing, or nothing new
@@ -49,6 +51,7 @@ struct Config {
     std::string url;                 // "" = $LCM_DEFAULT_URL, else LCM's default
     std::string camera_channel = VDNA_CHANNEL_CAMERA;
     std::string command_channel = VDNA_CHANNEL_COMMAND;
+    std::string command_result_channel = VDNA_CHANNEL_COMMAND_RESULT;
     std::string ranking_channel = VDNA_CHANNEL_RANKING;
     std::string localisation_channel = VDNA_CHANNEL_LOCALISATION;
     std::string status_channel = VDNA_CHANNEL_STATUS;

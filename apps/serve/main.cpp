@@ -79,9 +79,9 @@ void serve(const Options &options)
     const Connection commands = connect_for_commands(options.channels.url);
     const std::string token = new_token();
     const PageServer server({options.address, options.port, token,
-                             [&](const telemetry::Command &command) {
-                                 telemetry::send_command(commands, options.command_channel,
-                                                         command);
+                             [&](const telemetry::Command &command, const std::string &argument) {
+                                 telemetry::send_command(commands, options.command_channel, command,
+                                                         argument);
                                  std::cerr << "vdna serve: sent " << command.name << std::endl;
                              },
                              pictures ? &*pictures : nullptr},

@@ -78,7 +78,9 @@ std::string commands_json()
 {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
     for (const telemetry::Command &command : telemetry::commands())
-        json.push_back({{"name", command.name}, {"does", command.does}});
+        json.push_back({{"name", command.name},
+                        {"argument", telemetry::text_of(command.argument)},
+                        {"does", command.does}});
     return json.dump();
 }
 
@@ -208,14 +210,18 @@ void PageServer::take_command(const Request &request, Response &response)
         return refuse(response, forbidden, "the request does not tell its origin");
     if (!equal(request.get_header_value("X-Vdna-Token"), settings_.token))
         return refuse(response, forbidden, "the token is wrong; open the address that was printed");
-    const auto &all = telemetry::commands();
-    const auto command = std::find_if(
-        all.begin(), all.end(), [&](const auto &known) { return request.body == known.name; });
-    if (command == all.end())
+    const size_t space = std::min(request.body.find(' '), request.body.size());
+    const telemetry::Command *const command =
+        telemetry::find_command(request.body.substr(0, space));
+    if (!command)
         return refuse(response, 400, "there is no such command");
+    // The daemon judges it; LCM's strings end at a NUL.
+    const std::string argument = request.body.substr(std::min(space + 1, request.body.size()));
+    if (argument.find('\0') != std::string::npos)
+        return refuse(response, 400, "the argument has a NUL");
     try {
         const std::lock_guard<std::mutex> lock(sending_);
-        settings_.send(*command);
+        settings_.send(*command, argument);
         response.status = 204;
     } catch (const Error &error) {
         refuse(response, 503, error.what());

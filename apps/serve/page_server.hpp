@@ -30,7 +30,7 @@ struct ServerSettings {
     int port;            // 0 = any
     std::string token;
     // Called by any thread, one at a time. Throws Error.
-    std::function<void(const telemetry::Command &)> send;
+    std::function<void(const telemetry::Command &, const std::string &argument)> send;
     MapPictures *map_pictures = nullptr; // borrowed; null = the page shows no frames of a map
 };
 

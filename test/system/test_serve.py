@@ -142,6 +142,20 @@ class ADaemon(unittest.TestCase):
                 viewer.wait_for("ranking", lambda ranking: ranking is None)  # its predecessor's
                 viewer.wait_for("headline", lambda line: line["text"].startswith("Warming up"))
 
+    def test_takes_commands_about_the_choice_and_tells_what_became_of_them(self):
+        with Serve() as serve, Selectord("--map", MAP, "--warmup-frames", 12), Play(LIVE, 10):
+            viewer = Viewer(serve)
+            viewer.wait_for("ranking")
+            self.assertEqual(serve.press("pin night"), 204)
+            self.assertTrue(viewer.wait_for("result")["accepted"])
+            viewer.wait_for("status", lambda status: status["pinned"] == "night")
+            viewer.wait_for("headline", lambda line: "night" in line["text"])
+            self.assertEqual(serve.press("exclude night"), 204)
+            refused = viewer.wait_for("result", lambda result: not result["accepted"])
+            self.assertIn("unpin it first", refused["text"])
+            self.assertEqual(serve.press("pin "), 204)
+            viewer.wait_for("status", lambda status: status["pinned"] == "")
+
     def test_shows_the_one_that_answers_of_two(self):
         with Serve() as serve, Selectord("--map", MAP) as first:
             viewer = Viewer(serve)

@@ -48,7 +48,7 @@ ROOMS = {
                        "apps/simulate", "apps/telemetry", "apps/watch", "lib/backbone", "lib/core",
                        "lib/cpp", "lib/geodesy", "lib/localise", "lib/picture", "lib/transport"]),
     "apps/selectord": (11, ["apps/program", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
-                            "lib/geodesy", "lib/health", "lib/map", "lib/select",
+                            "lib/geodesy", "lib/health", "lib/identity", "lib/map", "lib/select",
                             "lib/transport"]),
     "apps/serve": (11, ["apps/program", "apps/telemetry", "lib/core", "lib/cpp", "lib/map",
                         "lib/picture", "lib/transport"]),
