@@ -52,12 +52,12 @@ void append_numbers(std::string_view bytes, std::string &text)
 std::string identity_of(const vdna_experience &e)
 {
     const vdna_identity &identity = e.identity;
-    return " * frames         " + std::to_string(e.frames) +         //
-           "\n * backbone       " + identity.backbone +              //
-           " (" + vdna_identity_precision(&identity) + ")" +         //
-           "\n * model_sha256   " + identity.model_sha256 +          //
+    return " * frames         " + std::to_string(e.frames) + //
+           "\n * backbone       " + identity.backbone +      //
+           " (" + vdna_identity_precision(&identity) + ")" + //
+           "\n * model_sha256   " + identity.model_sha256 +  //
            "\n * neurons, bins  " + std::to_string(identity.neurons) + ", " +
-           std::to_string(identity.bins) +                           //
+           std::to_string(identity.bins) + //
            "\n * embeddings     " + std::to_string(identity.dim) +
            (e.embedding_codes ? " codes of vdna/int8.h" : " floats") + //
            "\n * comparable     " + e.comparable + '\n';
@@ -98,8 +98,8 @@ void refuse_collisions(const std::vector<Experience> &files)
 {
     std::map<std::string, std::string> symbols;
     for (const Experience &file : files)
-        for (const std::string &symbol : {identifier_of(*file.get()),
-                                          identifier_of(*file.get()) + "_size"}) {
+        for (const std::string &symbol :
+             {identifier_of(*file.get()), identifier_of(*file.get()) + "_size"}) {
             const auto [first, is_new] = symbols.try_emplace(symbol, file.path().string());
             if (!is_new)
                 throw Error(file.path().string() + ": would be " + symbol + " in C, as " +
@@ -118,8 +118,9 @@ void export_arrays(const ExportOptions &options)
 {
     const std::vector<Experience> files = record::open_experiences(options.paths);
     if (names_a_file(options.out) && files.size() != 1)
-        throw program::UsageError("--output " + options.out + ": a file for one experience, but there are " +
-                         std::to_string(files.size()) + "; give a folder");
+        throw program::UsageError("--output " + options.out +
+                                  ": a file for one experience, but there are " +
+                                  std::to_string(files.size()) + "; give a folder");
     refuse_collisions(files);
     if (!names_a_file(options.out))
         program::make_directory(options.out);

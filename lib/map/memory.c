@@ -17,8 +17,7 @@ vdna_status vdna_experience_open_memory(const void *bytes, size_t size, vdna_err
                          " of %u; align the array, as `vdna export --c-array` does",
                          bytes, VDNA_EXPERIENCE_ALIGNMENT);
     vdna_error reason;
-    const vdna_status status =
-        vdna_read(bytes, size, VDNA_READ_IN_PLACE, &reason, out_experience);
+    const vdna_status status = vdna_read(bytes, size, VDNA_READ_IN_PLACE, &reason, out_experience);
     if (status != VDNA_OK)
         return vdna_fail(error, status, "experience in memory: %s; %s", reason.text,
                          vdna_read_remedy(status));

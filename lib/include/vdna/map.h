@@ -14,15 +14,15 @@
 extern "C" {
 #endif
 
-#define VDNA_MAP_FORMAT 4u         /**< version of the experience file format */
-#define VDNA_MAP_EXTENSION ".vdna" /**< file name ending of an experience */
-#define VDNA_MAP_FILE_SIZE 256u    /**< bytes of a file's name in a map, its NUL included */
-#define VDNA_PLACE_NONE INT64_MIN  /**< place number of a frame without ground truth */
-#define VDNA_FRAME_WGS84 "wgs84"   /**< position frame: Earth-centred metres made from GPS */
-#define VDNA_FRAME_LOCAL "local"   /**< position frame: metres of a map of one's own, unnamed */
-#define VDNA_ORDER_SIZE 32u        /**< bytes of `order` in vdna_experience, its NUL included */
-#define VDNA_SOURCE_SIZE 128u      /**< bytes of `source` there, its NUL included */
-#define VDNA_THUMBNAIL_MAX 4096u   /**< most bytes of a frame's thumbnail */
+#define VDNA_MAP_FORMAT 4u           /**< version of the experience file format */
+#define VDNA_MAP_EXTENSION ".vdna"   /**< file name ending of an experience */
+#define VDNA_MAP_FILE_SIZE 256u      /**< bytes of a file's name in a map, its NUL included */
+#define VDNA_PLACE_NONE INT64_MIN    /**< place number of a frame without ground truth */
+#define VDNA_FRAME_WGS84 "wgs84"     /**< position frame: Earth-centred metres made from GPS */
+#define VDNA_FRAME_LOCAL "local"     /**< position frame: metres of a map of one's own, unnamed */
+#define VDNA_ORDER_SIZE 32u          /**< bytes of `order` in vdna_experience, its NUL included */
+#define VDNA_SOURCE_SIZE 128u        /**< bytes of `source` there, its NUL included */
+#define VDNA_THUMBNAIL_MAX 4096u     /**< most bytes of a frame's thumbnail */
 #define VDNA_EXPERIENCE_ALIGNMENT 8u /**< of the bytes for vdna_experience_open_memory() */
 #define VDNA_EMBEDDING_MAX                                                 \
     1e15f /**< greatest magnitude of a number of an embedding: the squared \
@@ -108,8 +108,8 @@ VDNA_API vdna_status vdna_experience_open(const char *path, vdna_error *error,
  *  vdna_experience_open() does, point into them. Nothing is copied and nothing allocated.
  *  Embeddings that are stored as codes stay so: `embeddings` is NULL then, and vdna_int8_decode()
  *  gives those of a frame. `vdna export --c-array` makes a C array of a file.
- *  @param bytes  [size], aligned to VDNA_EXPERIENCE_ALIGNMENT; borrowed and unchanged as long as the
- *                experience is in use
+ *  @param bytes  [size], aligned to VDNA_EXPERIENCE_ALIGNMENT; borrowed and unchanged as long as
+ * the experience is in use
  *  @param size  bytes
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_experience  `file_bytes` is NULL; it holds nothing, so vdna_experience_close() only

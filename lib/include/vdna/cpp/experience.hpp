@@ -35,8 +35,8 @@ class Experience
         vdna_error error{};
         require(vdna_experience_open(path.c_str(), &error, &experience_), error);
     }
-    /** The bytes of a file, as vdna_experience_open_memory() opens them: they stay where they are, and
-     * must outlive this. Its path is "". Throws Error. */
+    /** The bytes of a file, as vdna_experience_open_memory() opens them: they stay where they are,
+     * and must outlive this. Its path is "". Throws Error. */
     static Experience of_memory(const void *bytes, size_t size)
     {
         Experience opened;
