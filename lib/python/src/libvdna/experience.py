@@ -245,6 +245,12 @@ class Experience:
         self._last_layer_scale = array(file.last_layer_scale, np.float32)
         return self
 
+    def __repr__(self) -> str:
+        return (
+            f"<Experience {self.name}: {self.frames} frames, {self.histogram.neurons} neurons in"
+            f" {self.histogram.bins} bins, by {self.backbone}>"
+        )
+
     def write(self, path: Path) -> None:
         """Write the file crash-safely: an interrupted call leaves `path` as it was.
 
