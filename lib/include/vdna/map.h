@@ -105,7 +105,8 @@ VDNA_API vdna_status vdna_experience_open(const char *path, vdna_error *error,
                                           vdna_experience *out_experience);
 
 /** Open the bytes of an experience file where they are, in flash for instance: check every byte as
- *  vdna_experience_open() does, point into them. Nothing is copied and nothing allocated.
+ *  vdna_experience_open() does, point into them. Nothing is copied and nothing allocated;
+ *  the call takes up to 128 KiB of stack, for the header of the file.
  *  Embeddings that are stored as codes stay so: `embeddings` is NULL then, and vdna_int8_decode()
  *  gives those of a frame. `vdna export --c-array` makes a C array of a file.
  *  @param bytes  [size], aligned to VDNA_EXPERIENCE_ALIGNMENT; borrowed and unchanged as long as

@@ -1,5 +1,7 @@
 /* Experiences in memory of the caller, as in flash: read where they are, and only valid ones. */
 #define _POSIX_C_SOURCE 200809L
+#include <pthread.h>
+
 #include <vdna/int8.h>
 
 #include "cmocka_all.h"
@@ -14,11 +16,11 @@ typedef struct flash {
 static flash flash_of(const vdna_experience *experience)
 {
     flash made = {.size = 0};
-    const directory directory = make_directory();
-    const char *path = path_in(&directory, "sample");
+    const directory folder = make_directory();
+    const char *path = path_in(&folder, "sample");
     assert_int_equal(vdna_experience_write(experience, path, NULL), VDNA_OK);
     made.size = load_file(path, (unsigned char *)made.words, sizeof made.words);
-    remove_directory(&directory);
+    remove_directory(&folder);
     return made;
 }
 
@@ -134,6 +136,33 @@ static void what_is_not_there_is_refused(void **state)
     assert_int_equal(vdna_experience_open_memory(&word, 8, NULL, &e), VDNA_ERR_FORMAT);
 }
 
+static void *open_it(void *argument)
+{
+    const flash *f = argument;
+    vdna_experience e;
+    return vdna_experience_open_memory(f->words, f->size, NULL, &e) == VDNA_OK ? argument : NULL;
+}
+
+/* A thread with less stack than that has no room: the page behind it cannot be written. */
+static void the_stack_that_the_header_states_is_enough(void **state)
+{
+    (void)state;
+    const vdna_experience coded = coded_experience();
+    flash f = flash_of(&coded);
+    pthread_attr_t small;
+    pthread_t thread;
+    void *opened = NULL;
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    skip(); /* they need more */
+#endif
+    assert_int_equal(pthread_attr_init(&small), 0);
+    assert_int_equal(pthread_attr_setstacksize(&small, 128 * 1024), 0);
+    assert_int_equal(pthread_create(&thread, &small, open_it, &f), 0);
+    assert_int_equal(pthread_join(thread, &opened), 0);
+    assert_ptr_equal(opened, &f);
+    pthread_attr_destroy(&small);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -143,6 +172,7 @@ int main(void)
         cmocka_unit_test(bytes_that_are_not_aligned_are_refused),
         cmocka_unit_test(bytes_are_checked_as_those_of_a_file_are),
         cmocka_unit_test(what_is_not_there_is_refused),
+        cmocka_unit_test(the_stack_that_the_header_states_is_enough),
     };
     return cmocka_run_group_tests_name("map_memory", tests, NULL, NULL);
 }
