@@ -15,7 +15,7 @@ block()
 
   set(output "${PROJECT_BINARY_DIR}/amalgamation")
   file(MAKE_DIRECTORY "${output}")
-  set(freestanding "${CMAKE_CURRENT_LIST_DIR}/../freestanding")
+  set(freestanding "${CMAKE_CURRENT_LIST_DIR}/freestanding")
   if(VDNA_PYTHON)
     set(amalgamate "${VDNA_PYTHON}" -B "${CMAKE_CURRENT_LIST_DIR}/amalgamate.py" ${PROJECT_VERSION}
       "${output}" ${inputs})
