@@ -72,7 +72,7 @@ def neuron(
     ax = _axes(ax)
     for histogram, name in zip(histograms, names):
         counts = histogram.counts[:, index]
-        lo, hi = histogram.range[index]
+        lo, hi = histogram.range[index].tolist()
         edges = np.linspace(lo, hi, histogram.bins + 1)
         ax.stairs(counts / max(1, int(histogram.mass[index])), edges, label=name)
     ax.set_xlabel(f"activation of neuron {index}")
