@@ -1,11 +1,13 @@
-/* rank: which of three drives looks most like now, and where in it are we? First from all frames
- * at once, then live, frame by frame. The folders next to this file have the same program in
- * Python, Rust, Go and Java; all print the same bytes. */
+/* rank [FILE.vdna FILE.vdna FILE.vdna]: which of three drives looks most like now, and where in it
+ * are we? First from all frames at once, then live, frame by frame. The drives are made up here, or
+ * opened from experience files. The folders next to this file have the same program in Python,
+ * Rust, Go and Java; all print the same bytes. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include <vdna/map.h>
 #include <vdna/vdna.h>
 
 enum { NEURONS = 8, SAMPLES = 4, FRAMES = 50, WARMUP = 40, BINS = 1000, CANDIDATES = 3 };
@@ -18,9 +20,17 @@ typedef struct drive {
     float shift;
 } drive;
 
-static const drive candidates[CANDIDATES] = {
+static const drive drives[CANDIDATES] = {
     {"spring", 1, 0.0f}, {"summer", 2, 0.25f}, {"winter", 3, 0.75f}};
 static const drive now = {"now", 4, 0.3125f};
+
+/* A drive to choose from: what the library needs of it. */
+typedef struct candidate {
+    const char *name;
+    vdna_hist_view dna;
+    const float *embeddings; /* [frames][NEURONS] */
+    uint32_t frames;
+} candidate;
 
 /* The activations of the next frame, [samples][neurons]. Each number is the upper half of
  * x = 1664525 x + 1013904223 (mod 2^32), divided by 2^16: exact in any language. */
@@ -83,11 +93,11 @@ static void embed(const drive *d, float embeddings[FRAMES][NEURONS])
     }
 }
 
-static vdna_select *selector(const vdna_select_candidate *experiences)
+static vdna_select *selector(const vdna_select_candidate *candidates)
 {
     vdna_select_config config;
     vdna_select_config_init(&config);
-    config.candidates = experiences;
+    config.candidates = candidates;
     config.candidate_count = CANDIDATES;
     config.dim = NEURONS;
     config.warmup_frames = WARMUP;
@@ -98,17 +108,16 @@ static vdna_select *selector(const vdna_select_candidate *experiences)
 }
 
 /* Warm up on the first frames, choose, and find the last frame in the chosen drive. */
-static void choose(const vdna_hist_view views[CANDIDATES])
+static void choose(const candidate candidates[CANDIDATES])
 {
-    static float embeddings[CANDIDATES][FRAMES][NEURONS];
-    vdna_select_candidate experiences[CANDIDATES];
+    vdna_select_candidate kept[CANDIDATES];
     for (int i = 0; i < CANDIDATES; i++) {
-        embed(&candidates[i], embeddings[i]);
-        const vdna_select_candidate experience = {views[i], embeddings[i][0], FRAMES, 0};
-        experiences[i] = experience;
+        const vdna_select_candidate one = {candidates[i].dna, candidates[i].embeddings,
+                                           candidates[i].frames, 0};
+        kept[i] = one;
     }
 
-    vdna_select *select = selector(experiences);
+    vdna_select *select = selector(kept);
     vdna_select_answer answer;
     float values[SAMPLES * NEURONS];
     const vdna_activations tap = {values, NEURONS, SAMPLES, VDNA_LAYOUT_SAMPLES_NEURONS};
@@ -125,22 +134,52 @@ static void choose(const vdna_hist_view views[CANDIDATES])
     free(select);
 }
 
-int main(void)
+/* Make the drives up. Ranges come from the map alone; the live drive never changes them. */
+static void record(candidate candidates[CANDIDATES])
 {
-    /* Ranges come from the map alone; the live drive never changes them. */
-    float range[NEURONS * 2];
+    static float range[NEURONS * 2], embeddings[CANDIDATES][FRAMES][NEURONS];
     require(vdna_range_clear(range, NEURONS));
     for (int i = 0; i < CANDIDATES; i++)
-        observe(&candidates[i], range);
+        observe(&drives[i], range);
     require(vdna_range_expand(range, NEURONS, VDNA_RANGE_FACTOR, VDNA_RANGE_ABOUT_MIDPOINT));
+    for (int i = 0; i < CANDIDATES; i++) {
+        const vdna_hist hist = count(&drives[i], range);
+        embed(&drives[i], embeddings[i]);
+        const candidate one = {drives[i].name, {0}, embeddings[i][0], FRAMES};
+        candidates[i] = one;
+        vdna_hist_view_of(&hist, &candidates[i].dna);
+    }
+}
+
+static void open_files(char **paths, candidate candidates[CANDIDATES])
+{
+    static vdna_experience experiences[CANDIDATES];
+    vdna_error error;
+    for (int i = 0; i < CANDIDATES; i++) {
+        vdna_experience *e = &experiences[i];
+        if (vdna_experience_open(paths[i], &error, e) != VDNA_OK) {
+            fprintf(stderr, "rank: %s\n", error.text);
+            exit(1);
+        }
+        const candidate one = {e->name, {0}, e->embeddings, e->frames};
+        candidates[i] = one;
+        vdna_experience_view(e, &candidates[i].dna);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    candidate candidates[CANDIDATES];
+    if (argc == 1 + CANDIDATES)
+        open_files(argv + 1, candidates);
+    else
+        record(candidates);
 
     vdna_hist_view live, views[CANDIDATES];
-    const vdna_hist hist = count(&now, range);
+    const vdna_hist hist = count(&now, candidates[0].dna.range);
     vdna_hist_view_of(&hist, &live);
-    for (int i = 0; i < CANDIDATES; i++) {
-        const vdna_hist candidate = count(&candidates[i], range);
-        vdna_hist_view_of(&candidate, &views[i]);
-    }
+    for (int i = 0; i < CANDIDATES; i++)
+        views[i] = candidates[i].dna;
 
     vdna_rank_entry ranking[CANDIDATES];
     const size_t size = vdna_emd_scratch_size(NEURONS);
@@ -148,6 +187,6 @@ int main(void)
     for (int i = 0; i < CANDIDATES; i++)
         printf("%d. %s is %.17f bins away\n", i + 1, candidates[ranking[i].candidate].name,
                ranking[i].distance_bins);
-    choose(views);
+    choose(candidates);
     return 0;
 }

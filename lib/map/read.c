@@ -164,13 +164,14 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
     return VDNA_OK;
 }
 
-/* Decode embeddings that are stored as codes; without their scales, vdna_rules_check() says so. */
-static vdna_status decode_embeddings(vdna_error *reason, vdna_experience *e)
+/* Decode embeddings that are stored as codes, if that is wanted; without their scales,
+ * vdna_rules_check() says so. */
+static vdna_status take_embeddings(vdna_read_how how, vdna_error *reason, vdna_experience *e)
 {
     if (!e->embedding_codes)
         return VDNA_OK;
     e->embeddings = NULL;
-    if (!e->embedding_scale)
+    if (!e->embedding_scale || how == VDNA_READ_IN_PLACE)
         return VDNA_OK;
     /* The codes are in the file, so their number is a size in memory; four times it may not be. */
     const size_t dim = e->identity.dim, count = e->frames * dim;
@@ -206,6 +207,21 @@ static vdna_status finish(vdna_error *reason, vdna_experience *e)
     return check_comparable(e, reason);
 }
 
+/* see read.h */
+const char *vdna_read_remedy(vdna_status status)
+{
+    switch (status) {
+    case VDNA_ERR_CHECKSUM:
+        return "copy it again from its source, or rebuild it with `vdna build`";
+    case VDNA_ERR_UNSUPPORTED:
+        return "update this program, or rebuild the file with its own `vdna build`";
+    case VDNA_ERR_NOMEM:
+        return "free some";
+    default:
+        return "rebuild it with `vdna build`";
+    }
+}
+
 void vdna_read_free(const vdna_experience *experience)
 {
     /* The cast drops const, which is for callers: these floats are in nobody's file. */
@@ -213,8 +229,8 @@ void vdna_read_free(const vdna_experience *experience)
         free((void *)experience->embeddings);
 }
 
-vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reason,
-                      vdna_experience *out_experience)
+vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_read_how how,
+                      vdna_error *reason, vdna_experience *out_experience)
 {
     static const vdna_format format = {VDNA_EXPERIENCE_FORMAT, VDNA_MAP_FORMAT};
     vdna_header header;
@@ -225,7 +241,7 @@ vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_error *reaso
     if (status == VDNA_OK)
         status = read_tensors(bytes, &header, reason, &e);
     if (status == VDNA_OK)
-        status = decode_embeddings(reason, &e);
+        status = take_embeddings(how, reason, &e);
     if (status == VDNA_OK)
         status = finish(reason, &e);
     if (status == VDNA_OK)

@@ -6,11 +6,16 @@
 #include <math.h>
 #include <string.h>
 
+#include <vdna/int8.h>
+
 #include "layout.h"
 #include "position_frame.h"
 
 /* Neurons whose counts are added up at a time: their sums take 8 kB of stack. */
 #define SUM_BLOCK 1024u
+
+/* Numbers of an embedding that are decoded at a time. */
+#define DECODE_BLOCK 256u
 
 static vdna_status check_name(const vdna_experience *e, vdna_error *reason)
 {
@@ -35,7 +40,7 @@ static vdna_status check_shape(const vdna_experience *e, vdna_error *reason)
     for (size_t f = 0; f < VDNA_FIELD_COUNT; f++)
         if (!fields[f].data && !fields[f].optional)
             return vdna_fail(reason, VDNA_ERR_ARG, "%s is missing", fields[f].name);
-    if (!e->embeddings)
+    if (!e->embeddings && !e->embedding_codes)
         return vdna_fail(reason, VDNA_ERR_ARG, "embeddings is missing");
     return VDNA_OK;
 }
@@ -154,11 +159,27 @@ static vdna_status check_embedding(const float *values, size_t count, size_t f, 
                      "the embedding of frame %zu has a NaN or an infinity", f);
 }
 
+/* The embedding of a frame, which may have codes alone: they are decoded a block at a time. */
+static vdna_status check_frame_embedding(const vdna_experience *e, size_t f, vdna_error *reason)
+{
+    const size_t dim = e->identity.dim;
+    if (e->embeddings)
+        return check_embedding(e->embeddings + f * dim, dim, f, reason);
+    float decoded[DECODE_BLOCK];
+    vdna_status status = VDNA_OK;
+    for (size_t first = 0; first < dim && status == VDNA_OK; first += DECODE_BLOCK) {
+        const size_t count = dim - first < DECODE_BLOCK ? dim - first : DECODE_BLOCK;
+        vdna_int8_decode(e->embedding_codes + f * dim + first, count, e->embedding_scale[f],
+                         decoded);
+        status = check_embedding(decoded, count, f, reason);
+    }
+    return status;
+}
+
 static vdna_status check_numbers(const vdna_experience *e, vdna_error *reason)
 {
     for (size_t f = 0; f < e->frames; f++) {
-        const size_t dim = e->identity.dim;
-        const vdna_status status = check_embedding(e->embeddings + f * dim, dim, f, reason);
+        const vdna_status status = check_frame_embedding(e, f, reason);
         if (status != VDNA_OK)
             return status;
         if (!isfinite(e->frame_grey[f]))

@@ -1,5 +1,5 @@
-// rank: which of three drives looks most like now, and where in it are we? Same program as
-// ../rank.c, with the same output.
+// rank [FILE.vdna...]: which of three drives looks most like now, and where in it are we? Same program
+// as ../rank.c, with the same output.
 //
 //	go run .    # libvdna not installed: with CGO_CFLAGS=-I..., CGO_LDFLAGS=-L..., LD_LIBRARY_PATH
 package main
@@ -7,6 +7,7 @@ package main
 import (
 	"fmt"
 	"log"
+	"os"
 
 	"example/rank/vdna"
 )
@@ -28,8 +29,8 @@ type drive struct {
 }
 
 var (
-	candidates = []drive{{"spring", 1, 0}, {"summer", 2, 0.25}, {"winter", 3, 0.75}}
-	now        = drive{"now", 4, 0.3125}
+	drives = []drive{{"spring", 1, 0}, {"summer", 2, 0.25}, {"winter", 3, 0.75}}
+	now    = drive{"now", 4, 0.3125}
 )
 
 // eachFrame calls f with the activations of each frame, [samples][neurons]. Each number is the
@@ -60,17 +61,62 @@ func count(d drive, ranges vdna.Ranges) (*vdna.Histogram, error) {
 // embedding of a frame: here just its first sample.
 func embedding(values []float32) []float32 { return append([]float32{}, values[:neurons]...) }
 
-// choose warms up on the first frames, chooses, and finds the last frame in the chosen drive.
-func choose(histograms []*vdna.Histogram) error {
-	experiences := make([]vdna.Candidate, len(candidates))
-	for i, d := range candidates {
-		experiences[i].Histogram = histograms[i]
+// recorded is a set of drives to choose from: made up here, or opened from files.
+type recorded struct {
+	names      []string
+	ranges     vdna.Ranges
+	candidates []vdna.Candidate
+	close      []func()
+}
+
+func (r *recorded) add(name string, candidate vdna.Candidate, close func()) {
+	r.names = append(r.names, name)
+	r.candidates = append(r.candidates, candidate)
+	r.close = append(r.close, close)
+}
+
+// makeUp makes the drives up. Ranges come from the map alone; the live drive never changes them.
+func (r *recorded) makeUp() error {
+	r.ranges = vdna.NewRanges(neurons)
+	for _, d := range drives {
+		if err := d.eachFrame(r.ranges.Observe); err != nil {
+			return err
+		}
+	}
+	if err := r.ranges.Expand(1.2); err != nil {
+		return err
+	}
+	for _, d := range drives {
+		histogram, err := count(d, r.ranges)
+		if err != nil {
+			return err
+		}
+		candidate := vdna.Candidate{DNA: histogram}
 		d.eachFrame(func(values []float32) error {
-			experiences[i].Embeddings = append(experiences[i].Embeddings, embedding(values))
+			candidate.Embeddings = append(candidate.Embeddings, embedding(values))
 			return nil
 		})
+		r.add(d.name, candidate, histogram.Close)
 	}
-	selector, err := vdna.NewSelector(experiences, warmup)
+	return nil
+}
+
+func (r *recorded) open(paths []string) error {
+	for _, path := range paths {
+		experience, err := vdna.Open(path)
+		if err != nil {
+			return err
+		}
+		r.ranges = experience.Ranges() // of all of them: they compare
+		candidate := vdna.Candidate{DNA: experience, Embeddings: experience.Embeddings()}
+		r.add(experience.Name(), candidate, experience.Close)
+	}
+	return nil
+}
+
+// choose warms up on the first frames, chooses, and finds the last frame in the chosen drive.
+func (r *recorded) choose() error {
+	selector, err := vdna.NewSelector(r.candidates, warmup)
 	if err != nil {
 		return err
 	}
@@ -84,51 +130,56 @@ func choose(histograms []*vdna.Histogram) error {
 	if err != nil {
 		return err
 	}
-	name := candidates[selector.Chosen()].name
+	name := r.names[selector.Chosen()]
 	fmt.Printf("live: %s after %d frames, by %.17f bins\n",
 		name, selector.WindowFrames(), selector.MarginBins())
 	fmt.Printf("now is nearest to frame %d of %s\n", nearest, name)
 	return nil
 }
 
-func run() error {
-	// Ranges come from the map alone; the live drive never changes them.
-	ranges := vdna.NewRanges(neurons)
-	for _, d := range candidates {
-		if err := d.eachFrame(ranges.Observe); err != nil {
-			return err
-		}
-	}
-	if err := ranges.Expand(1.2); err != nil {
-		return err
-	}
-
-	live, err := count(now, ranges)
+func (r *recorded) rank() error {
+	live, err := count(now, r.ranges)
 	if err != nil {
 		return err
 	}
 	defer live.Close()
-	histograms := make([]*vdna.Histogram, len(candidates))
-	for i, d := range candidates {
-		if histograms[i], err = count(d, ranges); err != nil {
-			return err
-		}
-		defer histograms[i].Close()
+	dna := make([]vdna.DNA, len(r.candidates))
+	for i, candidate := range r.candidates {
+		dna[i] = candidate.DNA
 	}
-
-	ranking, err := vdna.Rank(live, histograms)
+	ranking, err := vdna.Rank(live, dna)
 	if err != nil {
 		return err
 	}
 	for place, entry := range ranking {
-		name := candidates[entry.Candidate].name
-		fmt.Printf("%d. %s is %.17f bins away\n", place+1, name, entry.DistanceBins)
+		fmt.Printf("%d. %s is %.17f bins away\n", place+1, r.names[entry.Candidate], entry.DistanceBins)
 	}
-	return choose(histograms)
+	return nil
+}
+
+func run(paths []string) (err error) {
+	var r recorded
+	defer func() {
+		for _, close := range r.close {
+			close()
+		}
+	}()
+	if len(paths) > 0 {
+		err = r.open(paths)
+	} else {
+		err = r.makeUp()
+	}
+	if err == nil {
+		err = r.rank()
+	}
+	if err == nil {
+		err = r.choose()
+	}
+	return err
 }
 
 func main() {
-	if err := run(); err != nil {
+	if err := run(os.Args[1:]); err != nil {
 		log.Fatal("rank: ", err)
 	}
 }

@@ -1,8 +1,10 @@
-"""rank: which of three drives looks most like now, and where in it are we? Same program as
+"""rank [FILE.vdna...]: which of three drives looks most like now, and where in it are we? Same program as
 ../rank.c, with the same output.
 
 pip install lib/python; python3 rank.py
 """
+
+import sys
 
 import numpy as np
 
@@ -11,7 +13,7 @@ import libvdna
 NEURONS, SAMPLES, FRAMES, WARMUP = 8, 4, 50, 40
 PERIOD_US = 100_000  # of the camera
 # Synthetic drives: a seed and a shift; activations lie in shift..shift + 1.
-CANDIDATES = {"spring": (1, 0.0), "summer": (2, 0.25), "winter": (3, 0.75)}
+DRIVES = {"spring": (1, 0.0), "summer": (2, 0.25), "winter": (3, 0.75)}
 NOW = (4, 0.3125)
 
 
@@ -34,37 +36,45 @@ def count(drive, table):
     return histogram
 
 
-def experience(drive, table):
-    """A drive for the selector. Here the embedding of a frame is just its first sample."""
-    embeddings = np.array([values[0] for values in frames_of(drive)])
-    return libvdna.Candidate(count(drive, table), embeddings)
+def make_up():
+    """The drives by name. Ranges come from the map alone; the live drive never changes them. Here the
+    embedding of a frame is just its first sample."""
+    ranges = libvdna.Ranges(NEURONS)
+    for drive in DRIVES.values():
+        for values in frames_of(drive):
+            ranges.observe(values)
+    table = ranges.expand()
+    return {
+        name: libvdna.Candidate(
+            count(drive, table), np.array([values[0] for values in frames_of(drive)])
+        )
+        for name, drive in DRIVES.items()
+    }
 
 
-def choose(table):
+def open_files(paths):
+    experiences = [libvdna.Experience.open(path) for path in paths]
+    return {e.name: libvdna.Candidate(e.histogram, e.embeddings) for e in experiences}
+
+
+def choose(candidates):
     """Warm up on the first frames, choose, and find the last frame in the chosen drive."""
-    experiences = [experience(drive, table) for drive in CANDIDATES.values()]
-    selector = libvdna.Selector(experiences, warmup_frames=WARMUP)
+    selector = libvdna.Selector(list(candidates.values()), warmup_frames=WARMUP)
     for index, values in enumerate(frames_of(NOW)):
         answer = selector.feed(index * PERIOD_US, values[0], values)
-    chosen = list(CANDIDATES)[selector.chosen]
+    chosen = list(candidates)[selector.chosen]
     frames, margin = selector.window_frames, selector.margin_bins
     print(f"live: {chosen} after {frames} frames, by {margin:.17f} bins")
     print(f"now is nearest to frame {answer.match.frame} of {chosen}")
 
 
-def main():
-    # Ranges come from the map alone; the live drive never changes them.
-    ranges = libvdna.Ranges(NEURONS)
-    for drive in CANDIDATES.values():
-        for values in frames_of(drive):
-            ranges.observe(values)
-    table = ranges.expand()
-
-    ranking = libvdna.rank(count(NOW, table), [count(d, table) for d in CANDIDATES.values()])
-    names = list(CANDIDATES)
+def main(paths):
+    candidates = open_files(paths) if paths else make_up()
+    names, histograms = list(candidates), [c.histogram for c in candidates.values()]
+    ranking = libvdna.rank(count(NOW, histograms[0].range), histograms)
     for place, entry in enumerate(ranking, 1):
         print(f"{place}. {names[entry.candidate]} is {entry.distance_bins:.17f} bins away")
-    choose(table)
+    choose(candidates)
 
 
-main()
+main(sys.argv[1:])

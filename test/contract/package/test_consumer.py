@@ -17,7 +17,9 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 CONSUMER = HERE / "consumer" / "consumer.c"  # core and select
 CHOOSE = ROOT / "apps" / "examples" / "choose.c"  # map as well
+FIRST = ROOT / "apps" / "examples" / "first.c"  # shown in the README, with what it prints
 BACKBONE = HERE / "backbone" / "backbone.c"  # libvdna_backbone
+SMALL = ROOT / "test" / "machine" / "small"  # the additions of a machine without a C library
 GREY_LEVELS = ROOT / "apps" / "examples" / "grey_levels.c"  # a plug-in for it
 
 CC, CMAKE = os.environ["VDNA_CC"], os.environ["VDNA_CMAKE"]
@@ -66,6 +68,15 @@ def subdirectory(scratch):
     return programs
 
 
+def check_first(command, scratch):
+    """The README's program, built by the same command, prints what the README says."""
+    shutil.copy(FIRST, scratch)
+    run("sh", "-c", command.replace("cc ", f"{CC} ", 1).replace("choose", "first"), cwd=scratch)
+    printed = "".join(f"    {line}\n" for line in output_of(scratch / "first").splitlines())
+    text = (ROOT / "README.md").read_text()
+    assert printed and f"```\n\nprints\n\n{printed}\n" in text, printed
+
+
 def readme(scratch):
     """By the commands of the pages that the README leads to, with this build's folder in place of
     theirs."""
@@ -85,6 +96,7 @@ def readme(scratch):
             shutil.copy(CHOOSE, scratch)
             run("sh", "-c", command.replace("cc ", f"{CC} ", 1), cwd=scratch)
             programs.append((None, shutil.move(scratch / "choose", scratch / str(len(programs)))))
+            check_first(command, scratch)
     assert len(programs) == 2, commands
     return programs
 
@@ -130,6 +142,27 @@ def amalgamation(scratch):
         run(CC, "-std=c99", level, f"-I{scratch}", "-o", program, CONSUMER, source)
         programs.append((program, None))
     return programs
+
+
+def freestanding(scratch):
+    """What is installed, on a Cortex-M4 without a C library: the compiler's own headers and the two
+    beside vdna.c, and in the program three functions."""
+    compiler = "arm-none-eabi-gcc"
+    need(compiler)
+    installed = PREFIX / "share" / "vdna" / "amalgamation"
+    shutil.copytree(installed, scratch / "vdna")
+    own = output_of(compiler, "-print-file-name=include").strip()
+    objects = []
+    for source in (scratch / "vdna" / "vdna.c", SMALL / "start.c"):
+        objects.append(scratch / f"{source.stem}.o")
+        run(compiler, *STRICT, "-mcpu=cortex-m4", "-mthumb", "-Os", "-ffreestanding", "-nostdinc",
+            "-isystem", own, "-isystem", scratch / "vdna" / "freestanding", "-c", source,
+            "-o", objects[-1])
+    run(compiler, "-mcpu=cortex-m4", "-mthumb", "-nostdlib", *objects, "-lgcc",
+        "-o", scratch / "image")
+    symbols = output_of("arm-none-eabi-nm", scratch / "image")
+    assert " T vdna_rank\n" in symbols and " T vdna_select_feed\n" in symbols, symbols
+    return []
 
 
 def configure_backbone(scratch, prefix):

@@ -75,6 +75,11 @@ class TheDebs(unittest.TestCase):
             self.assertEqual("ML Illustrated" in text and "Microsoft" in text,
                              package == "vdna-networks")
 
+    def test_the_development_files_bring_the_amalgamation(self):
+        content = output_of("dpkg-deb", "--contents", self.debs["libvdna-dev"])
+        for path in ("vdna.c", "vdna.h", "freestanding/math.h", "freestanding/string.h"):
+            self.assertIn(f" ./usr/share/vdna/amalgamation/{path}\n", content)
+
     @unittest.skipUnless(PROGRAMS, "needs the programs")
     def test_have_what_their_names_promise(self):
         for package, paths in {

@@ -72,6 +72,7 @@ static const char *const lines[] = {
     "vdna rank park/winter.vdna park/summer.vdna",
     "vdna build --backbone efficientnet_lite0 --threads 2 --rate 2.5 --every 5 --skip-bad a b -o m",
     "vdna build --range-rule zero --labels l.csv --frame hall --gps t.gpx --gps-gap 1 a -o m",
+    "vdna export a b.vdna --c-array -o c.c",
     "vdna calibrate --time-unit ms --late 0.5 --time-offset -3.5 a -o r.json",
     "vdna localise --time-offset 2024-05-01T12:00:00Z --with-altitude today park",
     "vdna play --camera CAMERA -l udpm://239.255.76.67:7667?ttl=0 --rate 10 a",

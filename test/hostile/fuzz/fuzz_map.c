@@ -52,8 +52,9 @@ static void use_codes(const vdna_experience *e)
         MUST(vdna_explain_frames(e->last_layer, e->last_layer_scale, e->frames, e->last_layer_dim,
                                  e->identity.neurons - 1, &most, &least) == VDNA_OK &&
              most < e->frames && least < e->frames);
-    for (size_t i = 0; i < (size_t)e->frames * e->identity.dim; i++)
+    for (size_t i = 0; e->embeddings && i < (size_t)e->frames * e->identity.dim; i++)
         MUST(isfinite(e->embeddings[i]));
+    MUST(e->embeddings || e->embedding_codes);
 }
 
 /* A live frame can be projected; the sanitisers watch the reads. */
@@ -124,7 +125,14 @@ static void read_and_use(const unsigned char *bytes, size_t size)
 {
     vdna_experience e;
     vdna_error reason = {""};
-    const vdna_status status = vdna_read(bytes, size, &reason, &e);
+    const vdna_status status = vdna_read(bytes, size, VDNA_READ_DECODED, &reason, &e);
+    vdna_experience in_place;
+    const vdna_status seen = vdna_experience_open_memory(bytes, size, NULL, &in_place);
+    MUST(seen == status || status == VDNA_ERR_NOMEM);
+    if (seen == VDNA_OK) {
+        use(&in_place);
+        vdna_experience_close(&in_place);
+    }
     if (status != VDNA_OK) {
         MUST(reason.text[0] != '\0');
         return;

@@ -1,7 +1,7 @@
 """lib/core, lib/health, lib/localise, lib/trust and lib/select compiled for one machine without a C library, and measured.
 
-They see the compiler's own headers and those in include/ beside this file, nothing else, so that
-any further #include is an error. Stack comes from the frames and calls that GCC reports
+They see the compiler's own headers and those in lib/cmake/freestanding, nothing else, so that any further
+#include is an error. Stack comes from the frames and calls that GCC reports
 (-fcallgraph-info=su), and within libgcc, which does arithmetic that the processor lacks, from its
 instructions.
 """
@@ -52,7 +52,7 @@ class Machine:
                 "-Wall", "-Wextra", "-Wpedantic", "-Wvla", "-Werror", "-fcallgraph-info=su",
                 # C throws no exceptions, so no unwind tables.
                 "-fno-asynchronous-unwind-tables",
-                "-nostdinc", "-isystem", headers, "-I", HERE / "include",
+                "-nostdinc", "-isystem", headers, "-I", ROOT / "lib" / "cmake" / "freestanding",
                 "-I", ROOT / "lib" / "include", "-I", ROOT / "lib" / "core",
                 "-c", source, "-o", Path(folder, source.stem + ".o"),
             )  # fmt: skip

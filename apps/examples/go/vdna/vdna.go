@@ -6,11 +6,13 @@ package vdna
 #cgo LDFLAGS: -lvdna
 #include <stdlib.h>
 #include <string.h>
+#include <vdna/map.h>
 #include <vdna/vdna.h>
 */
 import "C"
 
 import (
+	"errors"
 	"fmt"
 	"runtime"
 	"unsafe"
@@ -111,6 +113,61 @@ func (h *Histogram) Add(values []float32) error {
 	})
 }
 
+// DNA is what can be compared: a *Histogram or an *Experience.
+type DNA interface {
+	view() C.vdna_hist_view
+}
+
+// Experience is an open file: one recorded drive. Close unmaps it.
+type Experience struct {
+	file *C.vdna_experience // in C memory
+}
+
+// Open maps an experience file and checks every byte of it.
+func Open(path string) (*Experience, error) {
+	name := C.CString(path)
+	defer C.free(unsafe.Pointer(name))
+	e := &Experience{(*C.vdna_experience)(C.calloc(1, C.sizeof_vdna_experience))}
+	var reason C.vdna_error
+	if C.vdna_experience_open(name, &reason, e.file) != C.VDNA_OK {
+		e.Close()
+		return nil, errors.New(C.GoString(&reason.text[0]))
+	}
+	return e, nil
+}
+
+// Close unmaps the file; do not use the experience or its slices afterwards.
+func (e *Experience) Close() {
+	C.vdna_experience_close(e.file)
+	C.free(unsafe.Pointer(e.file))
+	*e = Experience{}
+}
+
+func (e *Experience) view() (view C.vdna_hist_view) {
+	C.vdna_experience_view(e.file, &view)
+	return view
+}
+
+// Name of the drive.
+func (e *Experience) Name() string { return C.GoString(&e.file.name[0]) }
+
+// Ranges are those of its counts, [neurons][2]; live histograms are made with them.
+func (e *Experience) Ranges() Ranges {
+	view := e.view()
+	return unsafe.Slice((*float32)(view._range), 2*view.neurons)
+}
+
+// Embeddings has one for each frame.
+func (e *Experience) Embeddings() [][]float32 {
+	dim := int(e.file.identity.dim)
+	all := unsafe.Slice((*float32)(e.file.embeddings), int(e.file.frames)*dim)
+	embeddings := make([][]float32, e.file.frames)
+	for f := range embeddings {
+		embeddings[f] = all[f*dim : (f+1)*dim]
+	}
+	return embeddings
+}
+
 func (h *Histogram) view() (view C.vdna_hist_view) {
 	C.vdna_hist_view_of(&h.hist, &view)
 	return view
@@ -124,7 +181,7 @@ type RankEntry struct {
 }
 
 // Rank orders at least one candidate by distance to a live histogram, nearest first.
-func Rank(live *Histogram, candidates []*Histogram) ([]RankEntry, error) {
+func Rank(live DNA, candidates []DNA) ([]RankEntry, error) {
 	views := make([]C.vdna_hist_view, len(candidates))
 	for i, candidate := range candidates {
 		views[i] = candidate.view()
@@ -147,12 +204,12 @@ func Rank(live *Histogram, candidates []*Histogram) ([]RankEntry, error) {
 
 // Candidate is a recorded drive for the selector.
 type Candidate struct {
-	Histogram  *Histogram  // of all its frames
+	DNA        DNA         // of all its frames
 	Embeddings [][]float32 // one for each frame, all of one length
 }
 
 // Selector warms up on the first live frames, chooses the most similar candidate, then finds every
-// frame in it. Close frees its memory; call it before closing the histograms.
+// frame in it. Close frees its memory; call it before closing what has their DNA.
 type Selector struct {
 	choice  *C.vdna_select // within memory
 	memory  unsafe.Pointer
@@ -168,7 +225,7 @@ func NewSelector(candidates []Candidate, warmupFrames int) (*Selector, error) {
 	s := &Selector{
 		kept:    []unsafe.Pointer{array},
 		dim:     len(candidates[0].Embeddings[0]),
-		neurons: int(candidates[0].Histogram.hist.neurons),
+		neurons: int(candidates[0].DNA.view().neurons),
 	}
 	structs := unsafe.Slice((*C.vdna_select_candidate)(array), count)
 	for i, candidate := range candidates {
@@ -179,7 +236,7 @@ func NewSelector(candidates []Candidate, warmupFrames int) (*Selector, error) {
 			copy(unsafe.Slice((*float32)(copied), frames*s.dim)[f*s.dim:], embedding)
 		}
 		structs[i] = C.vdna_select_candidate{
-			dna:        candidate.Histogram.view(),
+			dna:        candidate.DNA.view(),
 			embeddings: (*C.float)(copied),
 			frames:     C.uint32_t(frames),
 		}

@@ -1,11 +1,11 @@
-//! rank: which of three drives looks most like now, and where in it are we? Same program as
-//! ../rank.c, with the same output.
+//! rank [FILE.vdna...]: which of three drives looks most like now, and where in it are we? Same
+//! program as ../rank.c, with the same output.
 //!
 //!     cargo run    # libvdna not installed: with RUSTFLAGS=-L..., LD_LIBRARY_PATH
 
 mod vdna;
 
-use vdna::{rank, Candidate, Error, Histogram, Ranges, Selector};
+use vdna::{rank, Candidate, Error, Experience, Histogram, Ranges, Selector, View};
 
 const NEURONS: usize = 8;
 const SAMPLES: usize = 4;
@@ -21,7 +21,7 @@ struct Drive {
     shift: f32,
 }
 
-const CANDIDATES: [Drive; 3] = [
+const DRIVES: [Drive; 3] = [
     Drive {
         name: "spring",
         seed: 1,
@@ -70,29 +70,73 @@ fn embedding(values: &[f32]) -> &[f32] {
     &values[..NEURONS]
 }
 
-/// Warm up on the first frames, choose, and find the last frame in the chosen drive.
-fn choose(histograms: &[Histogram]) -> Result<(), Error> {
-    let mut embeddings: Vec<Vec<f32>> = Vec::new();
-    for drive in &CANDIDATES {
-        let frames = drive.frames().map(|values| embedding(&values).to_vec());
-        embeddings.push(frames.flatten().collect());
+/// A drive to choose from: made up here, or opened from a file.
+enum Recorded {
+    MadeUp {
+        name: &'static str,
+        histogram: Histogram,
+        embeddings: Vec<f32>,
+    },
+    File(Experience),
+}
+
+impl Recorded {
+    fn name(&self) -> String {
+        match self {
+            Recorded::MadeUp { name, .. } => name.to_string(),
+            Recorded::File(experience) => experience.name(),
+        }
     }
-    let experiences: Vec<Candidate> = histograms
-        .iter()
-        .zip(&embeddings)
-        .map(|(histogram, embeddings)| Candidate {
-            histogram,
-            embeddings,
+
+    fn candidate(&self) -> Candidate<'_> {
+        match self {
+            Recorded::MadeUp {
+                histogram,
+                embeddings,
+                ..
+            } => Candidate {
+                dna: histogram.view(),
+                embeddings,
+            },
+            Recorded::File(experience) => Candidate {
+                dna: experience.view(),
+                embeddings: experience.embeddings(),
+            },
+        }
+    }
+}
+
+/// Make the drives up. Ranges come from the map alone; the live drive never changes them.
+fn make_up() -> Result<Vec<Recorded>, Error> {
+    let mut ranges = Ranges::new(NEURONS as u32)?;
+    for values in DRIVES.iter().flat_map(Drive::frames) {
+        ranges.observe(&values)?;
+    }
+    let range = ranges.expand(1.2)?;
+    let make = |drive: &Drive| {
+        Ok(Recorded::MadeUp {
+            name: drive.name,
+            histogram: count(drive, &range)?,
+            embeddings: drive
+                .frames()
+                .flat_map(|values| embedding(&values).to_vec())
+                .collect(),
         })
-        .collect();
-    let mut selector = Selector::new(&experiences, NEURONS, WARMUP)?;
+    };
+    DRIVES.iter().map(make).collect()
+}
+
+/// Warm up on the first frames, choose, and find the last frame in the chosen drive.
+fn choose(recorded: &[Recorded]) -> Result<(), Error> {
+    let candidates: Vec<Candidate> = recorded.iter().map(Recorded::candidate).collect();
+    let mut selector = Selector::new(&candidates, NEURONS, WARMUP)?;
     let mut nearest = None;
     for (index, values) in NOW.frames().enumerate() {
         nearest = selector.feed(index as i64 * PERIOD_US, &values, embedding(&values))?;
     }
     let chosen = selector.chosen().expect("a choice after the warmup");
     let frame = nearest.expect("a place after the warmup");
-    let name = CANDIDATES[chosen].name;
+    let name = recorded[chosen].name();
     println!(
         "live: {} after {} frames, by {:.17} bins",
         name,
@@ -104,24 +148,22 @@ fn choose(histograms: &[Histogram]) -> Result<(), Error> {
 }
 
 fn main() -> Result<(), Error> {
-    // Ranges come from the map alone; the live drive never changes them.
-    let mut ranges = Ranges::new(NEURONS as u32)?;
-    for values in CANDIDATES.iter().flat_map(Drive::frames) {
-        ranges.observe(&values)?;
-    }
-    let range = ranges.expand(1.2)?;
-
-    let live = count(&NOW, &range)?;
-    let candidates: Result<Vec<_>, _> = CANDIDATES.iter().map(|d| count(d, &range)).collect();
-    let candidates = candidates?;
-    for (place, entry) in rank(&live, &candidates)?.iter().enumerate() {
-        let name = CANDIDATES[entry.candidate as usize].name;
+    let files: Vec<_> = std::env::args_os().skip(1).collect();
+    let recorded: Vec<Recorded> = if files.is_empty() {
+        make_up()?
+    } else {
+        let open = |path| Ok(Recorded::File(Experience::open(path)?));
+        files.iter().map(open).collect::<Result<_, _>>()?
+    };
+    let views: Vec<View> = recorded.iter().map(|one| one.candidate().dna).collect();
+    let live = count(&NOW, views[0].range())?;
+    for (place, entry) in rank(&live, &views)?.iter().enumerate() {
         println!(
             "{}. {} is {:.17} bins away",
             place + 1,
-            name,
+            recorded[entry.candidate as usize].name(),
             entry.distance_bins
         );
     }
-    choose(&candidates)
+    choose(&recorded)
 }

@@ -1,10 +1,11 @@
 //! libvdna for Rust: the C functions that `rank` needs, and a safe layer over them. Declare other
 //! functions of lib/include/vdna the same way.
 
-use std::ffi::CStr;
+use std::ffi::{c_char, CStr, CString};
 use std::fmt;
 use std::marker::PhantomData;
 use std::mem::MaybeUninit;
+use std::path::Path;
 use std::ptr;
 
 /// The C side, as in the headers.
@@ -90,6 +91,57 @@ mod c {
         pub nearest: KnnMatch,
     }
 
+    #[repr(C)]
+    pub struct Identity {
+        pub backbone: [c_char; 64],
+        pub model_sha256: [c_char; 65],
+        pub preprocessing: [c_char; 512],
+        pub precision: [c_char; 16],
+        pub taps: [c_char; 2048],
+        pub neurons: u32,
+        pub dim: u32,
+        pub bins: u32,
+        pub range: *const f32,
+        pub embedding: [c_char; 256],
+        pub projection: *const f32,
+        pub raw_dim: u32,
+        pub reserved: u32,
+    }
+
+    #[repr(C)]
+    pub struct Experience {
+        pub name: [c_char; 64],
+        pub identity: Identity,
+        pub comparable: [c_char; 65],
+        pub frames: u32,
+        pub counts: *const u32,
+        pub mass: *const u32,
+        pub embeddings: *const f32,
+        pub frame_utime: *const i64,
+        pub frame_place: *const i64,
+        pub frame_position: *const f64,
+        pub frame_grey: *const f32,
+        pub file_bytes: *const c_void,
+        pub file_size: usize,
+        pub position_frame: [c_char; 64],
+        pub order: [c_char; 32],
+        pub last_layer: *const i8,
+        pub last_layer_scale: *const f32,
+        pub last_layer_dim: u32,
+        pub checksum: u32,
+        pub embedding_codes: *const i8,
+        pub embedding_scale: *const f32,
+        pub thumbnails: *const u8,
+        pub thumbnail_end: *const u32,
+        pub thumbnail_bytes: u32,
+        pub source: [c_char; 128],
+    }
+
+    #[repr(C)]
+    pub struct ErrorText {
+        pub text: [c_char; 512],
+    }
+
     /// Private to the library; only pointers to it exist.
     #[repr(C)]
     pub struct Select {
@@ -126,6 +178,13 @@ mod c {
             scratch_size: usize,
             out_ranking: *mut super::RankEntry,
         ) -> i32;
+        pub fn vdna_experience_open(
+            path: *const c_char,
+            error: *mut ErrorText,
+            out_experience: *mut Experience,
+        ) -> i32;
+        pub fn vdna_experience_close(experience: *mut Experience);
+        pub fn vdna_experience_view(experience: *const Experience, out_view: *mut HistView);
         pub fn vdna_select_config_init(config: *mut SelectConfig);
         pub fn vdna_select_mem_size(config: *const SelectConfig) -> usize;
         pub fn vdna_select_init(
@@ -146,25 +205,39 @@ mod c {
     }
 }
 
-/// A VDNA_ERR_ code of the library.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Error(pub i32);
+/// What the library refused.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Error {
+    /// A VDNA_ERR_ code.
+    pub status: i32,
+    /// For people.
+    pub text: String,
+}
 
 impl fmt::Display for Error {
     fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
-        // Sound: the result is a constant string for any status.
-        let text = unsafe { CStr::from_ptr(c::vdna_status_text(self.0)) };
-        out.write_str(&text.to_string_lossy())
+        out.write_str(&self.text)
     }
 }
 
 impl std::error::Error for Error {}
 
+fn text_of(chars: &[c_char]) -> String {
+    // Sound: the library ends its texts with a NUL.
+    let text = unsafe { CStr::from_ptr(chars.as_ptr()) };
+    text.to_string_lossy().into_owned()
+}
+
 fn check(status: i32) -> Result<(), Error> {
     if status == 0 {
         Ok(())
     } else {
-        Err(Error(status))
+        // Sound: the result is a constant string for any status.
+        let text = unsafe { CStr::from_ptr(c::vdna_status_text(status)) };
+        Err(Error {
+            status,
+            text: text.to_string_lossy().into_owned(),
+        })
     }
 }
 
@@ -256,13 +329,82 @@ impl Histogram {
         let tap = tap_of(values, self.hist.neurons);
         check(unsafe { c::vdna_hist_add(&mut self.hist, &tap, 1) })
     }
+}
 
-    fn view(&self) -> c::HistView {
+/// Counts that can be compared, as long as what holds them lives.
+#[derive(Clone, Copy)]
+pub struct View<'a> {
+    view: c::HistView,
+    held: PhantomData<&'a ()>,
+}
+
+impl<'a> View<'a> {
+    fn new(fill: impl FnOnce(*mut c::HistView)) -> View<'a> {
         let mut view = MaybeUninit::uninit();
+        fill(view.as_mut_ptr());
+        // Sound: `fill` has filled it.
+        let view = unsafe { view.assume_init() };
+        let held = PhantomData;
+        View { view, held }
+    }
+
+    /// [neurons][2], what other histograms must be made with to be compared.
+    pub fn range(&self) -> &'a [f32] {
+        // Sound: the library keeps so many numbers there.
+        unsafe { std::slice::from_raw_parts(self.view.range, 2 * self.view.neurons as usize) }
+    }
+}
+
+impl Histogram {
+    pub fn view(&self) -> View<'_> {
+        View::new(|view| unsafe { c::vdna_hist_view_of(&self.hist, view) })
+    }
+}
+
+/// An open experience file: one recorded drive.
+pub struct Experience(Box<c::Experience>);
+
+// Sound: nothing changes what an open file points to.
+unsafe impl Send for Experience {}
+
+impl Experience {
+    /// Map a file and check every byte of it.
+    pub fn open(path: impl AsRef<Path>) -> Result<Experience, Error> {
+        let name = path.as_ref().as_os_str().as_encoded_bytes();
+        let name = CString::new(name).expect("a path without a NUL");
+        let mut error = c::ErrorText { text: [0; 512] };
+        let mut opened = MaybeUninit::uninit();
+        // Sound: the library fills `opened` when it succeeds.
         unsafe {
-            c::vdna_hist_view_of(&self.hist, view.as_mut_ptr());
-            view.assume_init()
+            let status = c::vdna_experience_open(name.as_ptr(), &mut error, opened.as_mut_ptr());
+            if status != 0 {
+                let text = text_of(&error.text);
+                return Err(Error { status, text });
+            }
+            Ok(Experience(Box::new(opened.assume_init())))
         }
+    }
+
+    pub fn name(&self) -> String {
+        text_of(&self.0.name)
+    }
+
+    /// Of all its frames.
+    pub fn view(&self) -> View<'_> {
+        View::new(|view| unsafe { c::vdna_experience_view(&*self.0, view) })
+    }
+
+    /// [frames][dim]
+    pub fn embeddings(&self) -> &[f32] {
+        let count = self.0.frames as usize * self.0.identity.dim as usize;
+        // Sound: the file was checked to have so many.
+        unsafe { std::slice::from_raw_parts(self.0.embeddings, count) }
+    }
+}
+
+impl Drop for Experience {
+    fn drop(&mut self) {
+        unsafe { c::vdna_experience_close(&mut *self.0) }
     }
 }
 
@@ -278,12 +420,12 @@ pub struct RankEntry {
 }
 
 /// Rank candidates by their distance to a live histogram, nearest first.
-pub fn rank(live: &Histogram, candidates: &[Histogram]) -> Result<Vec<RankEntry>, Error> {
-    let views: Vec<c::HistView> = candidates.iter().map(Histogram::view).collect();
+pub fn rank(live: &Histogram, candidates: &[View]) -> Result<Vec<RankEntry>, Error> {
+    let views: Vec<c::HistView> = candidates.iter().map(|candidate| candidate.view).collect();
     let mut ranking = vec![RankEntry::default(); views.len()];
     let size = unsafe { c::vdna_emd_scratch_size(live.hist.neurons) };
     let mut scratch = vec![0i64; size / 8];
-    let (live, count) = (live.view(), views.len() as u32);
+    let (live, count) = (live.view().view, views.len() as u32);
     let (scratch, out) = (scratch.as_mut_ptr().cast(), ranking.as_mut_ptr());
     check(unsafe { c::vdna_rank(&live, views.as_ptr(), count, scratch, size, out) })?;
     Ok(ranking)
@@ -292,7 +434,7 @@ pub fn rank(live: &Histogram, candidates: &[Histogram]) -> Result<Vec<RankEntry>
 /// A recorded drive for the selector.
 pub struct Candidate<'a> {
     /// Of all its frames.
-    pub histogram: &'a Histogram,
+    pub dna: View<'a>,
     /// [frames][dim]
     pub embeddings: &'a [f32],
 }
@@ -316,7 +458,7 @@ impl<'a> Selector<'a> {
             .map(|candidate| {
                 assert_eq!(candidate.embeddings.len() % dim, 0, "whole embeddings");
                 c::SelectCandidate {
-                    dna: candidate.histogram.view(),
+                    dna: candidate.dna.view,
                     embeddings: candidate.embeddings.as_ptr(),
                     frames: (candidate.embeddings.len() / dim) as u32,
                     reserved: 0,

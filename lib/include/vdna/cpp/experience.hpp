@@ -35,6 +35,15 @@ class Experience
         vdna_error error{};
         require(vdna_experience_open(path.c_str(), &error, &experience_), error);
     }
+    /** The bytes of a file, as vdna_experience_open_memory() opens them: they stay where they are,
+     * and must outlive this. Its path is "". Throws Error. */
+    static Experience of_memory(const void *bytes, size_t size)
+    {
+        Experience opened;
+        vdna_error error{};
+        require(vdna_experience_open_memory(bytes, size, &error, &opened.experience_), error);
+        return opened;
+    }
     ~Experience() { vdna_experience_close(&experience_); }
     Experience(Experience &&other) noexcept
         : path_(std::move(other.path_)), experience_(std::exchange(other.experience_, {}))
@@ -47,6 +56,8 @@ class Experience
     const std::filesystem::path &path() const { return path_; }
 
   private:
+    Experience() = default;
+
     std::filesystem::path path_;
     vdna_experience experience_{};
 };

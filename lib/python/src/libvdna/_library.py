@@ -531,6 +531,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_int8_encode": (address, size, address, address),
         "vdna_taps_append": (address, size, POINTER(TapFields)),
         "vdna_experience_open": (path, POINTER(Error), POINTER(ExperienceFile)),
+        "vdna_experience_open_memory": (c_void_p, c_size_t, POINTER(Error), POINTER(ExperienceFile)),
         "vdna_experience_write": (POINTER(ExperienceFile), path, POINTER(Error)),
         "vdna_experience_compare": (
             POINTER(ExperienceFile),

@@ -114,6 +114,10 @@ class Backbone:
         )
         self._tap_names = [tap.name for tap in parse_taps(self._info.identity.taps)]
 
+    def __repr__(self) -> str:
+        closed = "" if self._handle else ", closed"
+        return f"<Backbone {self._info.identity.backbone}{closed}>"
+
     @property
     def info(self) -> BackboneInfo:
         """What the network is."""

@@ -43,6 +43,14 @@ class _Mapping:
         lib.vdna_experience_close(self.file)
 
 
+class _InMemory:
+    """The struct of an experience in memory, and what it points to."""
+
+    def __init__(self, words: NDArray[np.uint8], file: ExperienceFile) -> None:
+        self.words, self.file = words, file
+        self.decoded: Optional[NDArray[np.float32]] = None
+
+
 class Experience:
     """One recorded traversal: its Visual DNA, and the embedding and labels of each frame.
 
@@ -195,7 +203,29 @@ class Experience:
         return cls._over(mapping)
 
     @classmethod
-    def _over(cls, mapping: _Mapping) -> Experience:
+    def from_bytes(cls, data: Union[bytes, bytearray, memoryview, NDArray[np.uint8]]) -> Experience:
+        """Open the bytes of an experience file, which the experience keeps; they must not change.
+
+        They are copied only if they do not begin at a multiple of 8.
+        VdnaError: FORMAT, CHECKSUM, UNSUPPORTED for a newer format
+        """
+        given = np.frombuffer(data, np.uint8)
+        words = given
+        if given.ctypes.data % 8 != 0:
+            words = np.empty((given.size + 7) // 8, np.int64).view(np.uint8)[: given.size]
+            words[:] = given
+        held = _InMemory(words, ExperienceFile())
+        lib.vdna_experience_open_memory(words.ctypes.data, words.size, Error(), held.file)
+        file = held.file
+        if file.embedding_codes:
+            codes = view(held, file.embedding_codes, (file.frames, file.identity.dim), np.int8)
+            scales = view(held, file.embedding_scale, (file.frames,), np.float32)
+            held.decoded = codes * scales[:, None]
+            file.embeddings = held.decoded.ctypes.data
+        return cls._over(held)
+
+    @classmethod
+    def _over(cls, mapping: Union[_Mapping, _InMemory]) -> Experience:
         self = cls.__new__(cls)
         file = self._file = mapping.file
         self._owner = mapping
@@ -214,6 +244,12 @@ class Experience:
         self._last_layer = array(file.last_layer, np.int8, file.last_layer_dim)
         self._last_layer_scale = array(file.last_layer_scale, np.float32)
         return self
+
+    def __repr__(self) -> str:
+        return (
+            f"<Experience {self.name}: {self.frames} frames, {self.histogram.neurons} neurons in"
+            f" {self.histogram.bins} bins, by {self.backbone}>"
+        )
 
     def write(self, path: Path) -> None:
         """Write the file crash-safely: an interrupted call leaves `path` as it was.

@@ -66,6 +66,9 @@ class HistogramView:
         self._mass = view(owner, pointers.mass, (neurons,), np.uint32)
         self._view = pointers
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {self.neurons} neurons in {self.bins} bins>"
+
     @property
     def neurons(self) -> int:
         """Number of neurons, of all taps together."""
@@ -117,6 +120,9 @@ class Histogram(HistogramView):
         lib.vdna_hist_view_of(self._hist, pointers)
         self._point(owner, pointers)
         self._saturated = view(owner, self._hist.saturated, (self.neurons,), np.uint32)
+
+    def __repr__(self) -> str:
+        return f"{super().__repr__()[:-1]}, {self.frames} frames>"
 
     @property
     def frames(self) -> int:

@@ -180,6 +180,11 @@ class Identity:
         self._owner, self._fields = owner, fields
         return self
 
+    def __repr__(self) -> str:
+        bins = "" if self.bins is None else f", {self.bins} bins"
+        dim = "" if self.dim is None else f", embeddings of {self.dim}"
+        return f"<Identity of {self.backbone} ({self.precision}): {self.neurons} neurons{bins}{dim}>"
+
     def check_comparable(self, other: Identity) -> None:
         """Check that Visual DNAs of both may be compared: same model, preprocessing, taps, and what
         both know of embedding, dim, bins, range and projection. A network knows no projection: it

@@ -132,6 +132,9 @@ class Localiser:
             confidence=tuple(config.confidence),
         )
 
+    def __repr__(self) -> str:
+        return f"<Localiser in {self._frames} frames, embeddings of {self._dim}>"
+
     def _places(self, places: ArrayLike) -> NDArray[np.int64]:
         return shaped(integers(places, "places", np.int64), (self._frames,), "places")
 

@@ -33,6 +33,9 @@ class Ranges:
         self._table = np.empty((self._neurons, 2), np.float32)
         lib.vdna_range_clear(self._table.ctypes.data, self._neurons)
 
+    def __repr__(self) -> str:
+        return f"<Ranges of {self._neurons} neurons>"
+
     def observe(self, *taps: Tap) -> None:
         """Widen the ranges to contain one frame.
 

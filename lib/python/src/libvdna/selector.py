@@ -144,6 +144,7 @@ class Selector:
         self._select = c_void_p()  # within `memory`
         lib.vdna_select_init(config, memory.ctypes.data, memory.nbytes, self._select)
 
+        self._candidates = len(candidates)
         # All that the library borrows.
         self._owner: Any = (
             (list(candidates), embeddings, structs, localisers, table, memory),
@@ -152,6 +153,10 @@ class Selector:
         live = HistView()
         lib.vdna_select_live(self._select, live)
         self._live = HistogramView._over(self._owner, live)
+
+    def __repr__(self) -> str:
+        state = f"chosen {self.chosen}" if self.selected else f"{self.progress:.0%} of the warmup"
+        return f"<Selector among {self._candidates} candidates, {state}>"
 
     def feed(
         self,

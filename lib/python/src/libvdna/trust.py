@@ -63,6 +63,10 @@ class StoredRun:
             self._fields.last_layer_dim = integer(rows.shape[1], "last_layer", 0, UINT32_MAX)
         self._embeddings = values
 
+    def __repr__(self) -> str:
+        frames, dim = self._embeddings.shape
+        return f"<StoredRun of {frames} frames, embeddings of {dim}>"
+
     def _kept(self, array: NDArray[np.generic]) -> int:
         self._borrowed.append(array)
         return int(array.ctypes.data)
@@ -363,6 +367,9 @@ class Trust:
         lib.vdna_trust_init(
             config, self._memory.ctypes.data, self._memory.nbytes, byref(self._trust)
         )
+
+    def __repr__(self) -> str:
+        return f"<Trust among {self._runs} candidates>"
 
     def _row(self, values: ArrayLike, what: str) -> NDArray[np.float64]:
         return shaped(floats(values, what, np.float64), (self._runs,), what)

@@ -1,6 +1,7 @@
 package example;
 
 import example.Vdna.Candidate;
+import example.Vdna.Experience;
 import example.Vdna.Histogram;
 import example.Vdna.Ranges;
 import example.Vdna.RankEntry;
@@ -15,8 +16,8 @@ import java.util.OptionalInt;
 import java.util.function.Consumer;
 
 /**
- * rank: which of three drives looks most like now, and where in it are we? Same program as rank.c,
- * with the same output.
+ * rank [FILE.vdna...]: which of three drives looks most like now, and where in it are we? Same
+ * program as rank.c, with the same output.
  *
  * <p>mvn compile exec:java, with -Djna.library.path=DIR if libvdna is not installed.
  */
@@ -43,7 +44,7 @@ public final class Rank {
         }
     }
 
-    private static final List<Drive> CANDIDATES = List.of(
+    private static final List<Drive> DRIVES = List.of(
         new Drive("spring", 1, 0f), new Drive("summer", 2, 0.25f), new Drive("winter", 3, 0.75f));
     private static final Drive NOW = new Drive("now", 4, 0.3125f);
 
@@ -64,22 +65,40 @@ public final class Rank {
         return all.array();
     }
 
+    /** A drive to choose from, and the ranges of its counts. */
+    private record Recorded(String name, Candidate candidate, float[] range) {}
+
+    /** Make the drives up. Ranges come from the map alone; the live drive never changes them. */
+    private static List<Recorded> makeUp() {
+        Ranges ranges = new Ranges(NEURONS);
+        DRIVES.forEach(drive -> drive.eachFrame(ranges::observe));
+        float[] range = ranges.expand(1.2f);
+        return DRIVES.stream()
+            .map(drive -> new Recorded(drive.name(),
+                new Candidate(count(drive, range), embeddings(drive)), range))
+            .toList();
+    }
+
+    /** Open files, until the program ends. */
+    private static Recorded open(String path) {
+        Experience experience = new Experience(path);
+        return new Recorded(experience.name(),
+            new Candidate(experience, experience.embeddings()), experience.range());
+    }
+
     /** Not "%.17f", which stops at the shortest digits that identify a double. */
     private static BigDecimal digits(double bins) {
         return new BigDecimal(bins).setScale(17, RoundingMode.HALF_EVEN);
     }
 
     /** Warm up on the first frames, choose, and find the last frame in the chosen drive. */
-    private static void choose(List<Histogram> histograms) {
-        List<Candidate> experiences = new ArrayList<>();
-        for (int i = 0; i < histograms.size(); i++) {
-            experiences.add(new Candidate(histograms.get(i), embeddings(CANDIDATES.get(i))));
-        }
-        Selector selector = new Selector(experiences, NEURONS, WARMUP);
+    private static void choose(List<Recorded> recorded) {
+        List<Candidate> candidates = recorded.stream().map(Recorded::candidate).toList();
+        Selector selector = new Selector(candidates, NEURONS, WARMUP);
         List<OptionalInt> nearest = new ArrayList<>();
         NOW.eachFrame(
             values -> nearest.add(selector.feed(nearest.size() * PERIOD_US, values, embedding(values))));
-        String name = CANDIDATES.get(selector.chosen().getAsInt()).name();
+        String name = recorded.get(selector.chosen().getAsInt()).name();
         System.out.printf("live: %s after %d frames, by %s bins%n", name, selector.windowFrames(),
             digits(selector.marginBins()));
         System.out.printf("now is nearest to frame %d of %s%n",
@@ -87,19 +106,16 @@ public final class Rank {
     }
 
     public static void main(String[] arguments) {
-        // Ranges come from the map alone; the live drive never changes them.
-        Ranges ranges = new Ranges(NEURONS);
-        CANDIDATES.forEach(drive -> drive.eachFrame(ranges::observe));
-        float[] range = ranges.expand(1.2f);
-
-        List<Histogram> candidates =
-            CANDIDATES.stream().map(drive -> count(drive, range)).toList();
+        List<Recorded> recorded =
+            arguments.length == 0 ? makeUp() : Arrays.stream(arguments).map(Rank::open).toList();
+        Histogram live = count(NOW, recorded.get(0).range());
         int place = 1;
-        for (RankEntry entry : Vdna.rank(count(NOW, range), candidates)) {
-            String name = CANDIDATES.get(entry.candidate()).name();
+        for (RankEntry entry :
+            Vdna.rank(live, recorded.stream().map(one -> one.candidate().dna()).toList())) {
+            String name = recorded.get(entry.candidate()).name();
             System.out.printf(
                 "%d. %s is %s bins away%n", place++, name, digits(entry.distanceBins()));
         }
-        choose(candidates);
+        choose(recorded);
     }
 }

@@ -48,6 +48,12 @@ public final class Vdna {
         int vdna_rank(CHistView live, CHistView candidates, int count, Pointer scratch, SizeT size,
                       CRankEntry outRanking);
 
+        int vdna_experience_open(String path, CError error, CExperience outExperience);
+
+        void vdna_experience_close(CExperience experience);
+
+        void vdna_experience_view(CExperience experience, CHistView outView);
+
         void vdna_select_config_init(CSelectConfig config);
 
         SizeT vdna_select_mem_size(CSelectConfig config);
@@ -106,6 +112,43 @@ public final class Vdna {
         public int candidate, tied;
     }
 
+    @FieldOrder({"text"})
+    public static final class CError extends Structure {
+        public byte[] text = new byte[512];
+    }
+
+    @FieldOrder({"backbone", "modelSha256", "preprocessing", "precision", "taps", "neurons", "dim",
+        "bins", "range", "embedding", "projection", "rawDim", "reserved"})
+    public static final class CIdentity extends Structure {
+        public byte[] backbone = new byte[64], modelSha256 = new byte[65];
+        public byte[] preprocessing = new byte[512], precision = new byte[16], taps = new byte[2048];
+        public int neurons, dim, bins;
+        public Pointer range;
+        public byte[] embedding = new byte[256];
+        public Pointer projection;
+        public int rawDim, reserved;
+    }
+
+    @FieldOrder({"name", "identity", "comparable", "frames", "counts", "mass", "embeddings",
+        "frameUtime", "framePlace", "framePosition", "frameGrey", "fileBytes", "fileSize",
+        "positionFrame", "order", "lastLayer", "lastLayerScale", "lastLayerDim", "checksum",
+        "embeddingCodes", "embeddingScale", "thumbnails", "thumbnailEnd", "thumbnailBytes", "source"})
+    public static final class CExperience extends Structure {
+        public byte[] name = new byte[64];
+        public CIdentity identity;
+        public byte[] comparable = new byte[65];
+        public int frames;
+        public Pointer counts, mass, embeddings, frameUtime, framePlace, framePosition, frameGrey;
+        public Pointer fileBytes;
+        public SizeT fileSize;
+        public byte[] positionFrame = new byte[64], order = new byte[32];
+        public Pointer lastLayer, lastLayerScale;
+        public int lastLayerDim, checksum;
+        public Pointer embeddingCodes, embeddingScale, thumbnails, thumbnailEnd;
+        public int thumbnailBytes;
+        public byte[] source = new byte[128];
+    }
+
     @FieldOrder({"dna", "embeddings", "frames", "reserved"})
     public static final class CSelectCandidate extends Structure {
         public CHistView dna;
@@ -141,7 +184,11 @@ public final class Vdna {
         public final int status;
 
         VdnaException(int status) {
-            super(LIBRARY.vdna_status_text(status));
+            this(status, LIBRARY.vdna_status_text(status));
+        }
+
+        VdnaException(int status, String text) {
+            super(text);
             this.status = status;
         }
     }
@@ -194,8 +241,53 @@ public final class Vdna {
         }
     }
 
+    /** What can be compared: a histogram or an experience. */
+    public interface Dna {
+        /** Fill it; it is valid as long as this object is reachable. */
+        void view(CHistView out);
+    }
+
+    /** An open experience file: one recorded drive. */
+    public static final class Experience implements Dna, AutoCloseable {
+        private final CExperience file = new CExperience();
+
+        /** Map a file and check every byte of it. */
+        public Experience(String path) {
+            CError error = new CError();
+            int status = LIBRARY.vdna_experience_open(path, error, file);
+            if (status != 0) {
+                throw new VdnaException(status, Native.toString(error.text));
+            }
+        }
+
+        public String name() {
+            return Native.toString(file.name);
+        }
+
+        /** [neurons][2], what live histograms are made with. */
+        public float[] range() {
+            return file.identity.range.getFloatArray(0, 2 * file.identity.neurons);
+        }
+
+        /** [frames][dim], a copy. */
+        public float[] embeddings() {
+            return file.embeddings.getFloatArray(0, file.frames * file.identity.dim);
+        }
+
+        @Override
+        public void view(CHistView out) {
+            LIBRARY.vdna_experience_view(file, out);
+        }
+
+        /** Unmap the file; nothing that uses it may be used afterwards. */
+        @Override
+        public void close() {
+            LIBRARY.vdna_experience_close(file);
+        }
+    }
+
     /** A histogram and its memory. */
-    public static final class Histogram {
+    public static final class Histogram implements Dna {
         private final CHist hist = new CHist();
         private final Memory range;
         private final Memory memory;
@@ -213,6 +305,11 @@ public final class Vdna {
             check(LIBRARY.vdna_hist_init(config, memory, size, hist));
         }
 
+        @Override
+        public void view(CHistView out) {
+            LIBRARY.vdna_hist_view_of(hist, out);
+        }
+
         /** Count one frame, [samples][neurons]. */
         public void add(float[] values) {
             check(LIBRARY.vdna_hist_add(hist, tapOf(values, hist.neurons), new SizeT(1)));
@@ -224,12 +321,12 @@ public final class Vdna {
     public record RankEntry(double distanceBins, int candidate, boolean tied) {}
 
     /** Rank at least one candidate by distance to a live histogram, nearest first. */
-    public static List<RankEntry> rank(Histogram live, List<Histogram> candidates) {
+    public static List<RankEntry> rank(Dna live, List<? extends Dna> candidates) {
         CHistView liveView = new CHistView();
-        LIBRARY.vdna_hist_view_of(live.hist, liveView);
+        live.view(liveView);
         CHistView[] views = (CHistView[]) new CHistView().toArray(candidates.size());
         for (int i = 0; i < views.length; i++) {
-            LIBRARY.vdna_hist_view_of(candidates.get(i).hist, views[i]);
+            candidates.get(i).view(views[i]);
         }
         CRankEntry[] places = (CRankEntry[]) new CRankEntry().toArray(candidates.size());
         SizeT size = LIBRARY.vdna_emd_scratch_size(liveView.neurons);
@@ -245,8 +342,8 @@ public final class Vdna {
         return ranking;
     }
 
-    /** A recorded drive for the selector: its histogram, and [frames][dim] embeddings. */
-    public record Candidate(Histogram histogram, float[] embeddings) {}
+    /** A recorded drive for the selector: the DNA of all frames, and [frames][dim] embeddings. */
+    public record Candidate(Dna dna, float[] embeddings) {}
 
     /**
      * Warms up on the first live frames, chooses the most similar candidate, then finds every frame
@@ -266,11 +363,11 @@ public final class Vdna {
             for (int i = 0; i < structs.length; i++) {
                 Candidate candidate = candidates.get(i);
                 Memory embeddings = copyOf(candidate.embeddings());
-                LIBRARY.vdna_hist_view_of(candidate.histogram().hist, structs[i].dna);
+                candidate.dna().view(structs[i].dna);
                 structs[i].embeddings = embeddings;
                 structs[i].frames = candidate.embeddings().length / dim;
                 structs[i].write();
-                borrowed.addAll(List.of(structs[i], candidate.histogram(), embeddings));
+                borrowed.addAll(List.of(structs[i], candidate.dna(), embeddings));
             }
             CSelectConfig config = new CSelectConfig();
             LIBRARY.vdna_select_config_init(config);

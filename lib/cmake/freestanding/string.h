@@ -1,4 +1,5 @@
-/* All that lib/core and lib/select may use of <string.h>; see machine.py. */
+/* All that vdna.c uses of <string.h>, for a compiler without a C library: three functions, which
+ * the program must have. */
 #ifndef STRING_H
 #define STRING_H
 

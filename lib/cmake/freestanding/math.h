@@ -1,5 +1,5 @@
-/* All that the library without a C library may use of <math.h>: macros, no function; see
- * machine.py. */
+/* All that vdna.c uses of <math.h>, for a compiler without a C library: macros, no function. Put
+ * this folder before the compiler's own: -isystem FOLDER. */
 #ifndef MATH_H
 #define MATH_H
 
