@@ -138,7 +138,7 @@ Verdict check_daemon(const Settings &settings, const MapFacts &map, const Heard 
     if (where == host)
         if (const std::optional<Verdict> verdict = other_map(settings, map, status))
             return *verdict;
-    const telemetry::Headline line = telemetry::headline(status, nullptr, 0);
+    const telemetry::Headline line = telemetry::headline(status, nullptr, 0, settings.url);
     if (std::strcmp(line.tone, "bad") == 0)
         return broken(line.text, "see docs/operating/no-answers.md, and the checks above");
     if (std::strcmp(line.tone, "doubt") == 0)
