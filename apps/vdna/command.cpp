@@ -42,12 +42,16 @@ void add_command(CLI::App &app)
         names.push_back(known.name);
         help += (help.empty() ? "" : "; ") + names.back() + ": " + known.does;
     }
-    command->add_option("command", options->command, help)->required()->check(CLI::IsMember(names));
-    command->add_option("--channel", options->channel, "channel to send on")->capture_default_str();
+    command->add_option("COMMAND", options->command, help)->required()->check(CLI::IsMember(names));
+    command->add_option("--channel", options->channel, "channel to send on")
+        ->type_name("CHANNEL")
+        ->capture_default_str();
     command
         ->add_option("-l,--lcm-url", options->url,
-                     "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
+                     "LCM network (default: $LCM_DEFAULT_URL, else LCM's)")
         ->type_name("URL");
+    command->footer("Examples:\n"
+                    "  vdna command reset");
     command->callback([options] { send_command(*options); });
 }
 

@@ -217,7 +217,7 @@ void add_info(CLI::App &app)
     command
         ->add_option("PATH", options->paths,
                      "experience files, or map directories; experiences of a map must also compare")
-        ->type_name("")
+        ->type_name("PATH")
         ->required();
     command->add_flag("--json", options->json, "report as JSON");
     command->footer("Times are in microseconds; [a, b] are minimum and maximum.\n\n"

@@ -295,7 +295,7 @@ void add_rank(CLI::App &app)
             "PATH", options->paths,
             "LIVE_SOURCE MAP: a folder of pictures, video, LCM log or MCAP file, and the map to "
             "choose from; or experience files, the first of which is the query")
-        ->type_name("")
+        ->type_name("PATH")
         ->expected(2, -1)
         ->required();
     command
@@ -310,7 +310,7 @@ void add_rank(CLI::App &app)
         ->add_option("--rank", options->by,
                      "live: transfer, the recall that the map's own runs of this look got, where "
                      "labels tell it, and distance otherwise; or emd, distance, as in the paper")
-        ->check(CLI::IsMember({"transfer", "emd"}).description(""))
+        ->check(CLI::IsMember({"transfer", "emd"}))
         ->type_name("NAME")
         ->capture_default_str();
     command
