@@ -137,4 +137,10 @@ std::string iso_of(int64_t utime)
     return std::string(text) + fraction;
 }
 
+std::string date_of(int64_t utime)
+{
+    constexpr int64_t least = 100'000'000'000'000, most = 1000 * least; // as vdna_time_unit()
+    return utime >= least && utime < most ? iso_of(utime) : "";
+}
+
 } // namespace vdna::frames

@@ -17,4 +17,8 @@ std::optional<int64_t> utime_of_iso(const std::string &text);
 // UTC to the millisecond: "2024-05-01T10:00:00.500Z".
 std::string iso_of(int64_t utime);
 
+// The same of a frame's time; "" if it does not count from 1970 by the rule of vdna/camera_time.h:
+// most of those that count from the start of a machine or a video.
+std::string date_of(int64_t utime);
+
 } // namespace vdna::frames

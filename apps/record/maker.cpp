@@ -1,6 +1,8 @@
 #include "record/maker.hpp"
 
+#include <algorithm>
 #include <cstring>
+#include <filesystem>
 
 #include <vdna/int8.h>
 
@@ -9,6 +11,8 @@ namespace vdna::record
 
 namespace
 {
+
+namespace fs = std::filesystem;
 
 // Memory limit for activations, which save a second run of the network.
 constexpr size_t activation_bytes_max = size_t{512} << 20;
@@ -39,6 +43,17 @@ template <class Number>
 const Number *stored(const std::vector<Number> &numbers)
 {
     return numbers.empty() ? nullptr : numbers.data();
+}
+
+// The names of the source's files without their folders, which are nobody's business: "drive.mp4",
+// "a.mp4+b.mp4".
+std::string source_text(const std::string &source)
+{
+    std::string text;
+    for (const std::string &part : frames::parts_of(source))
+        text += (text.empty() ? "" : "+") + fs::weakly_canonical(part).filename().string();
+    std::replace_if(text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    return text;
 }
 
 } // namespace
@@ -96,12 +111,19 @@ void Maker::encode(Draft &draft) const
     draft.last_layer = encoded(r.last_layer, r.frames);
 }
 
+void Maker::record(Draft &draft, const Pass &pass)
+{
+    draft.recording.add(pass);
+    if (thumbnails_)
+        draft.recording.add_thumbnail(thumbnails_->of(pass.frame()));
+}
+
 void Maker::record_and_count(Draft &draft)
 {
     draft.histogram.emplace(ranges_.values, bins_);
     Pass pass(draft.source, options_, backbone_);
     while (pass.next()) {
-        draft.recording.add(pass);
+        record(draft, pass);
         count(draft, pass);
     }
     end_recording(draft, pass);
@@ -113,7 +135,7 @@ void Maker::calibrate(std::vector<Draft> &drafts, uint32_t range_rule)
     for (Draft &draft : drafts) {
         Pass pass(draft.source, options_, backbone_);
         while (pass.next()) {
-            draft.recording.add(pass);
+            record(draft, pass);
             calibration.observe(pass.output(), pass.frame().name);
             store_.add(pass.output());
         }
@@ -181,6 +203,12 @@ vdna_experience Maker::experience_of(const Draft &draft) const
     r.position_frame.copy(e.position_frame, sizeof e.position_frame - 1);
     r.account.order.copy(e.order, sizeof e.order - 1);
     vdna_name_replace(e.order);
+    source_text(draft.source).copy(e.source, sizeof e.source - 1);
+    if (r.thumbnails.empty())
+        return e;
+    e.thumbnails = reinterpret_cast<const uint8_t *>(r.thumbnails.data());
+    e.thumbnail_end = r.thumbnail_end.data();
+    e.thumbnail_bytes = r.thumbnail_end.back();
     return e;
 }
 

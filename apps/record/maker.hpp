@@ -15,6 +15,7 @@
 #include "record/projection.hpp"
 #include "record/ranges.hpp"
 #include "record/recording.hpp"
+#include "record/thumbnails.hpp"
 
 namespace vdna::record
 {
@@ -48,6 +49,9 @@ class Maker
     // manifest asks for. Call at most once. Throws Error if that asks for another number of them.
     void keep_as(const vdna_experience &there);
 
+    // Give the experiences a thumbnail of each frame. Call before make().
+    void add_thumbnails() { thumbnails_.emplace(); }
+
     // Make all drafts. A calibration keeps the activations for counting if they fit into memory;
     // otherwise the network runs twice. range_rule: VDNA_RANGE_ABOUT_... of a calibration. Throws
     // Error, also for a source without a usable frame.
@@ -64,6 +68,7 @@ class Maker
     const std::string &ranges_origin() const { return ranges_.origin; }
 
   private:
+    void record(Draft &draft, const Pass &pass);
     void record_and_count(Draft &draft);
     void calibrate(std::vector<Draft> &drafts, uint32_t range_rule);
     void count_stored(std::vector<Draft> &drafts) const;
@@ -77,6 +82,7 @@ class Maker
     Ranges ranges_;                        // without values until they are known
     std::optional<Projection> projection_; // once it is known
     ActivationStore store_;
+    std::optional<Thumbnails> thumbnails_; // if they are wanted
 };
 
 } // namespace vdna::record

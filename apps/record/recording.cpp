@@ -14,6 +14,13 @@ void Recording::add(const Pass &pass)
     add(pass.frame(), pass.output());
 }
 
+void Recording::add_thumbnail(const std::string &jpeg)
+{
+    if (thumbnails.size() + jpeg.size() <= UINT32_MAX)
+        thumbnails += jpeg;
+    thumbnail_end.push_back(static_cast<uint32_t>(thumbnails.size()));
+}
+
 void Recording::require_frames(const std::string &source) const
 {
     if (frames == 0)

@@ -25,6 +25,8 @@ struct Recording {
     std::vector<float> grey;       // [frames], 0..255
     std::vector<float> embeddings; // [frames][dim]
     std::vector<float> last_layer; // [frames][its own size]; [0] if there is no second embedding
+    std::string thumbnails;        // JPEGs, one after the other
+    std::vector<uint32_t> thumbnail_end; // [frames], in `thumbnails`; [0] if there are none
 
     // The embeddings of the last layer: the second ones, or if there are none, the only ones.
     const std::vector<float> &last_layer_or_only() const
@@ -39,6 +41,9 @@ struct Recording {
 
     // Append the current frame of `pass`.
     void add(const Pass &pass);
+    // Append the thumbnail of the frame added last; "" = it has none. Nor does one for which an
+    // experience has no room.
+    void add_thumbnail(const std::string &jpeg);
     // Throw Error if no frame of the source could be used.
     void require_frames(const std::string &source) const;
     // Append a frame and its network output. Throws Error if its position is in another frame.

@@ -58,7 +58,7 @@ constexpr double nice_max = 19;
 constexpr double tolerance_max = 1e6;
 constexpr double switch_cost_max = 1e6;
 
-const std::array<Setting, 38> settings{{
+const std::array<Setting, 41> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max, "the map: folder of experience files",
      Text::path},
     {"map", "copy", &Config::copy_map, 0, 0,
@@ -97,6 +97,11 @@ const std::array<Setting, 38> settings{{
      "choose again while driving; needs [localise] filter"},
     {"select", "switch_cost", &Config::switch_cost, 1, switch_cost_max,
      "frames that another experience must be better by before it replaces the choice"},
+    {"select", "pin", &Config::pin, 0, VDNA_NAME_SIZE - 1,
+     "experience to localise in from the start, whatever the ranking says; \"\": the ranking "
+     "chooses"},
+    {"select", "shadow", &Config::shadow, 0, 0,
+     "recommend only: the first choice stays, and better ones are told"},
     {"localise", "filter", &Config::place_filter, 0, 0,
      "follow the robot by all frames, with a confidence; false: the nearest frame alone"},
     {"localise", "min_confidence", &Config::min_confidence, 0, 1,
@@ -124,6 +129,8 @@ const std::array<Setting, 38> settings{{
      "back of camera time"},
     {"lcm", "command", &Config::command_channel, 1, channel_max,
      "channel of the commands that come in"},
+    {"lcm", "command_result", &Config::command_result_channel, 1, channel_max,
+     "channel of the results of commands that go out"},
     {"lcm", "ranking", &Config::ranking_channel, 1, channel_max,
      "channel of the rankings that go out"},
     {"lcm", "localisation", &Config::localisation_channel, 1, channel_max,

@@ -33,6 +33,8 @@ struct Config {
     bool stop_early = true;
     bool reselect = true;
     double switch_cost = trust_defaults().switch_cost;
+    std::string pin;
+    bool shadow = false;
     bool place_filter = true;
     double min_confidence = VDNA_LOCALISE_MIN_CONFIDENCE_DEFAULT;
     double tolerance = 5;
@@ -44,6 +46,7 @@ struct Config {
     std::string url; // "" = $LCM_DEFAULT_URL, else LCM's default
     std::string camera_channel = VDNA_CHANNEL_CAMERA;
     std::string command_channel = VDNA_CHANNEL_COMMAND;
+    std::string command_result_channel = VDNA_CHANNEL_COMMAND_RESULT;
     std::string ranking_channel = VDNA_CHANNEL_RANKING;
     std::string localisation_channel = VDNA_CHANNEL_LOCALISATION;
     std::string status_channel = VDNA_CHANNEL_STATUS;

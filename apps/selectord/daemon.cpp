@@ -6,10 +6,13 @@
 #include <utility>
 
 #include <vdna_messages.h>
+#include <vdna_msg_command_result_t.h>
+#include <vdna_msg_command_t.h>
 
 #include <vdna/cpp/error.hpp>
 
 #include "program/clock.hpp"
+#include "telemetry/commands.hpp"
 #include "telemetry/message_text.hpp"
 
 namespace vdna::selectord
@@ -62,11 +65,23 @@ Daemon::Daemon(const Config &config, OpenedMap map, const Backbone &backbone,
     : config_(config), backbone_(backbone), process_(process),
       is_replay_(vdna_transport_is_log(config.url.c_str()) != 0), process_id_(identify_process()),
       session_(std::make_unique<MapSession>(config, std::move(map), backbone.info())),
-      message_size_max_(std::max({ranking_growth * session_->ranking().encoded_size(),
-                                  message_size_min, other_messages_size_max})),
+      message_size_max_(
+          std::max({ranking_growth * session_->ranking().encoded_size(), message_size_min}) +
+          other_messages_size_max),
       waiting_(config, is_replay_), standby_(process_id_.instance, program::wall_us())
 {
     vdna_health_init(&health_, nullptr); // cannot fail: the defaults are valid
+    keep_to_settings();
+}
+
+// Of the operator, before the first frame.
+void Daemon::keep_to_settings()
+{
+    vdna_select_shadow(session_->select(), config_.shadow ? 1 : 0);
+    if (config_.pin.empty())
+        return;
+    if (const Outcome outcome = pin(*session_, config_.pin); !outcome.accepted)
+        problems_.note(program::monotonic_us(), "select.pin: %s", outcome.text.c_str());
 }
 
 size_t Daemon::size() const
@@ -105,10 +120,10 @@ void Daemon::run(vdna_transport *transport, const std::atomic<bool> &stop,
         }
 
         judge_peers(transport);
-        if (events & VDNA_TRANSPORT_RESET)
-            reset();
+        if (events & VDNA_TRANSPORT_COMMAND)
+            take_commands(transport);
         if (reload_)
-            go_on_reloading(manager);
+            go_on_reloading(transport, manager);
         if (events & VDNA_TRANSPORT_FRAME)
             answer(transport, frame, stop);
 
@@ -172,7 +187,7 @@ Facts Daemon::facts(vdna_transport *transport) const
     facts.now_us = program::monotonic_us();
     facts.camera = *vdna_transport_count(transport);
     facts.overheard = vdna_transport_overheard_channels(transport, &facts.overheard_count);
-    facts.selected = vdna_select_state(session_->select()) != VDNA_SELECT_WARMUP;
+    facts.selected = vdna_select_has_choice(session_->select()) != 0;
     facts.progress = vdna_select_progress(session_->select());
     facts.accepted = counts.accepted;
     facts.refused = refused_;
@@ -215,33 +230,104 @@ void Daemon::forget()
     degraded_[0] = '\0';
 }
 
-void Daemon::reset()
+// One that stands by does the same, so that it would take over with the same choice, and is silent.
+void Daemon::take_commands(vdna_transport *transport)
+{
+    uint32_t count = 0;
+    const vdna_transport_command *const commands = vdna_transport_commands(transport, &count);
+    for (uint32_t i = 0; i < count; i++) {
+        const Outcome outcome = take(transport, commands[i]);
+        commands_.note(program::monotonic_us(), "%s: %s",
+                       telemetry::name_of_command(commands[i].command),
+                       (outcome.accepted ? outcome.text : "refused, " + outcome.text).c_str());
+        const bool is_under_way =
+            outcome.accepted && commands[i].command == VDNA_MSG_COMMAND_T_RELOAD;
+        if (!is_under_way)
+            answer_command(transport, commands[i].utime, commands[i].command, outcome);
+    }
+}
+
+Outcome Daemon::take(vdna_transport *transport, const vdna_transport_command &command)
+{
+    if (command.command == VDNA_MSG_COMMAND_T_RESET)
+        return reset();
+    if (command.command != VDNA_MSG_COMMAND_T_RELOAD)
+        return change_choice(transport, command);
+    if (!reload_)
+        return {false, "the answers to a log are those of one map"};
+    if (!reload_->request(command.utime))
+        return {false, "another reload waits to begin, and will open the same map"};
+    return {true, "opening the map's directory"};
+}
+
+Outcome Daemon::reset()
 {
     forget();
-    resets_.note(program::monotonic_us(), "reset by command, warming up again");
+    return {true, "warming up"};
+}
+
+// PIN, EXCLUDE, INCLUDE, SHADOW. A change of the choice or the recommendation is announced at once.
+Outcome Daemon::change_choice(vdna_transport *transport, const vdna_transport_command &command)
+{
+    const vdna_select *const select = session_->select();
+    const auto first = [select] {
+        const vdna_rank_entry *const ranking = vdna_select_ranking(select, nullptr);
+        return ranking ? ranking->candidate : VDNA_SELECT_NONE;
+    };
+    const uint32_t recommended = first(), chosen = vdna_select_chosen(select);
+    Outcome outcome = carry_out(*session_, command);
+    const bool is_changed = recommended != first() || chosen != vdna_select_chosen(select);
+    if (first() != VDNA_SELECT_NONE && is_changed)
+        announce_choice(transport, session_->ranking().fill_again(*select));
+    return outcome;
+}
+
+void Daemon::answer_command(vdna_transport *transport, int64_t utime, int32_t command,
+                            const Outcome &outcome)
+{
+    if (standby_.stands_by())
+        return;
+    vdna_msg_command_result_t result{};
+    result.utime = utime;
+    result.command = command;
+    result.accepted = static_cast<int8_t>(outcome.accepted);
+    result.text = const_cast<char *>(outcome.text.c_str()); // publishing changes nothing
+    result.map_hash = const_cast<char *>(session_->map_hash().c_str());
+    publish(transport, config_.command_result_channel, vdna_message_command_result, &result);
 }
 
 // Between two frames, so each is answered from one map as a whole.
-void Daemon::go_on_reloading(const ServiceManager &manager)
+void Daemon::go_on_reloading(vdna_transport *transport, const ServiceManager &manager)
 {
     if (reload_->begin(*session_))
         manager.reloading();
+    Outcome outcome{};
     try {
         std::unique_ptr<MapSession> next = reload_->take();
         if (!next)
             return;
-        next->count_on_from(*session_);
-        session_ = std::move(next);
-        map_is_old_ = false;
-        session_->say_no_trust();
-        reloads_.note(program::monotonic_us(), "the map is reloaded: %zu experiences, warming up",
-                      session_->experiences().size());
+        outcome = end_reload(std::move(next));
     } catch (const std::exception &error) {
         map_is_old_ = true;
-        reload_problems_.note(program::monotonic_us(), "not reloaded, the old map serves: %s",
-                              error.what());
+        outcome = {false, std::string("not reloaded, the old map serves: ") + error.what()};
+        reload_problems_.note(program::monotonic_us(), "%s", outcome.text.c_str());
     }
+    answer_command(transport, reload_->utime(), VDNA_MSG_COMMAND_T_RELOAD, outcome);
     manager.ready();
+}
+
+Outcome Daemon::end_reload(std::unique_ptr<MapSession> next)
+{
+    next->count_on_from(*session_);
+    const std::string lost = carry_over(*session_, *next);
+    session_ = std::move(next);
+    map_is_old_ = false;
+    session_->say_no_trust();
+    const std::string text =
+        "the map is reloaded: " + std::to_string(session_->experiences().size()) +
+        " experiences, warming up" + lost;
+    reloads_.note(program::monotonic_us(), "%s", text.c_str());
+    return {true, text};
 }
 
 void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame,
@@ -328,7 +414,7 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
                        vdna_restart_text(found.restarted));
     const bool is_switch = vdna_select_switches(session_->select()) != switches;
     if (found.newly_ranked || is_switch)
-        announce_choice(transport, is_switch);
+        announce_choice(transport, session_->ranking().fill(*session_->select(), is_switch));
     if (!found.localised)
         return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_WARMING_UP);
     localised_++;
@@ -381,7 +467,7 @@ State Daemon::state()
     if (static_cast<double>(age_us) > stale_us)
         return {VDNA_MSG_STATUS_T_STALE,
                 "no frame has been used for longer than camera.stale_seconds", age_us};
-    if (vdna_select_state(session_->select()) == VDNA_SELECT_WARMUP)
+    if (!vdna_select_has_choice(session_->select()))
         return {VDNA_MSG_STATUS_T_WARMUP, "", age_us};
     if (vdna_select_state(session_->select()) == VDNA_SELECT_NONE_FITS)
         return {VDNA_MSG_STATUS_T_NONE_FITS, session_->ranking().sentence(), age_us};
@@ -428,9 +514,8 @@ vdna_msg_localisation_t Daemon::refuse(const vdna_transport_frame &frame, const 
     return no_position(frame.utime, validity, refusal_.data());
 }
 
-void Daemon::announce_choice(vdna_transport *transport, bool is_switch)
+void Daemon::announce_choice(vdna_transport *transport, const vdna_msg_ranking_t &ranking)
 {
-    const vdna_msg_ranking_t &ranking = session_->ranking().fill(*session_->select(), is_switch);
     publish(transport, config_.ranking_channel, vdna_message_ranking, &ranking);
     choices_.note(program::monotonic_us(), "%s", session_->ranking().sentence());
 }
@@ -454,6 +539,8 @@ const char *Daemon::problem() const
 
 void Daemon::publish_status(vdna_transport *transport)
 {
+    excluded_.clear();
+    list_excluded(*session_, excluded_);
     const StatusFacts now{process_id_,
                           standby_.serving_utime(),
                           state(),
@@ -464,6 +551,7 @@ void Daemon::publish_status(vdna_transport *transport)
                           session_->left_out(),
                           session_->map_hash(),
                           map_is_changed_,
+                          excluded_,
                           backbone_.info(),
                           stages_,
                           session_->counts(),

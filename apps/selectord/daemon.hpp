@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <vdna/cpp/backbone.hpp>
 #include <vdna/cpp/map.hpp>
@@ -19,6 +20,7 @@
 #include "selectord/limited_log.hpp"
 #include "selectord/map_reload.hpp"
 #include "selectord/map_session.hpp"
+#include "selectord/operator_commands.hpp"
 #include "selectord/reports.hpp"
 #include "selectord/resident_memory.hpp"
 #include "selectord/service_manager.hpp"
@@ -66,9 +68,16 @@ class Daemon
     void overhear(vdna_transport *transport);
     void end_log(vdna_transport *transport) const;
     Facts facts(vdna_transport *transport) const;
-    void reset();
+    void take_commands(vdna_transport *transport);
+    Outcome take(vdna_transport *transport, const vdna_transport_command &command);
+    Outcome reset();
+    Outcome change_choice(vdna_transport *transport, const vdna_transport_command &command);
+    void answer_command(vdna_transport *transport, int64_t utime, int32_t command,
+                        const Outcome &outcome);
     void forget();
-    void go_on_reloading(const ServiceManager &manager);
+    void go_on_reloading(vdna_transport *transport, const ServiceManager &manager);
+    Outcome end_reload(std::unique_ptr<MapSession> next);
+    void keep_to_settings();
     void answer(vdna_transport *transport, const vdna_transport_frame &frame,
                 const std::atomic<bool> &stop);
     // Nothing for a late frame.
@@ -87,8 +96,7 @@ class Daemon
     vdna_msg_localisation_t trusted_place_of(const vdna_knn_match &match, int64_t utime) const;
     vdna_msg_localisation_t refuse(const vdna_transport_frame &frame, const char *reason,
                                    int32_t validity = VDNA_MSG_LOCALISATION_T_REFUSED);
-    // is_switch: it replaces another while driving
-    void announce_choice(vdna_transport *transport, bool is_switch);
+    void announce_choice(vdna_transport *transport, const vdna_msg_ranking_t &ranking);
     Resident resident() const;
     const char *problem() const;
     void publish_status(vdna_transport *transport);
@@ -111,7 +119,7 @@ class Daemon
     bool map_is_old_ = false;     // the newest reload failed
     bool map_is_changed_ = false; // the directory, at the last beat
     ResidentMemory memory_;
-    LimitedLog problems_, resets_, choices_, reloads_, reload_problems_;
+    LimitedLog problems_, commands_, choices_, reloads_, reload_problems_;
     Waiting waiting_;
     Verdict verdict_; // of the last beat
     std::optional<AnswerFile> answers_;
@@ -130,6 +138,7 @@ class Daemon
     uint64_t localised_ = 0;
     uint64_t unanswered_ = 0; // frames skipped or late since the last answer
     uint32_t window_frames_max_ = 0;
+    std::vector<char *> excluded_; // of the newest status
 };
 
 } // namespace vdna::selectord

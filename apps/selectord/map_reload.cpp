@@ -31,10 +31,23 @@ MapReload::MapReload(const Config &config, const vdna_backbone_info &backbone,
 {
 }
 
+bool MapReload::request(int64_t utime)
+{
+    if (waiting_)
+        return false;
+    waiting_ = utime;
+    return true;
+}
+
 bool MapReload::begin(const MapSession &serving)
 {
-    if (opening_.valid() || !requested_.exchange(false))
+    if (opening_.valid())
         return false;
+    const bool by_signal = requested_.exchange(false); // one reload does for both
+    if (!by_signal && !waiting_)
+        return false;
+    utime_ = waiting_.value_or(0);
+    waiting_.reset();
     opening_ = std::async(std::launch::async,
                           [this, bytes = serving.held_bytes(stays_in_memory(config_))] {
                               give_way_to_frames();

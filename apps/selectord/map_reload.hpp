@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <future>
 #include <memory>
+#include <optional>
 
 #include "selectord/config.hpp"
 #include "selectord/map_session.hpp"
@@ -26,9 +27,15 @@ class MapReload
     MapReload(const Config &config, const vdna_backbone_info &backbone,
               std::atomic<bool> &requested, Room room);
 
+    // As if `requested` were set, by a command. Returns whether one may wait: not if another does.
+    bool request(int64_t utime);
+
     // Begin if that is requested and none is running; returns whether one began. `serving` is the
     // map from before.
     bool begin(const MapSession &serving);
+
+    // Of the command that wanted the newest one; 0 = `requested`.
+    int64_t utime() const { return utime_; }
 
     // What has been opened; nullptr if nothing has. Ends the reload. Throws Error if the map cannot
     // be used, or another std::exception.
@@ -41,6 +48,8 @@ class MapReload
     const vdna_backbone_info &backbone_;
     std::atomic<bool> &requested_;
     const Room room_;
+    std::optional<int64_t> waiting_; // of a command
+    int64_t utime_ = 0;
     std::future<std::unique_ptr<MapSession>> opening_; // valid while a reload is running
 };
 

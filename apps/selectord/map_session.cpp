@@ -75,8 +75,8 @@ std::string left_out_text(const Map &map)
 OpenedMap open_once(const Config &config)
 {
     MapFiles files(config.map_directory, !config.copy_map);
-    return {std::make_unique<const Map>(config.map_directory,
-                                        MapOpening{config.copy_map, config.leave_out_damaged}),
+    return {std::make_unique<const Map>(
+                config.map_directory, MapOpening{config.copy_map, config.leave_out_damaged, false}),
             std::move(files)};
 }
 

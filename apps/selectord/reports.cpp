@@ -4,6 +4,7 @@
 #include <array>
 #include <climits>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -134,15 +135,17 @@ const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select, bool is
     message_.utime = vdna_select_last_utime(&select);
     message_.window_begin_utime = vdna_select_first_utime(&select);
     message_.window_frames = static_cast<int32_t>(vdna_select_window_frames(&select));
+    return fill_again(select);
+}
+
+const vdna_msg_ranking_t &RankingReport::fill_again(const vdna_select &select)
+{
     message_.margin_bins = vdna_select_margin_bins(&select);
     const vdna_rank_entry *const ranking = vdna_select_ranking(&select, nullptr);
     for (size_t i = 0; i < experiences_.size(); i++)
         fill_entry(select, i, ranking[i]);
     fill_trust(select);
-    sentence_ =
-        program::sentence_of({names_[0], message_.previous, message_.count, message_.window_frames,
-                              warmup_frames_, message_.verdict, message_.unlike, recalls_[0],
-                              lows_[0], highs_[0], message_.no_prediction, message_.skill});
+    fill_sentence(select);
     return message_;
 }
 
@@ -150,6 +153,26 @@ const vdna_msg_ranking_t &RankingReport::repeat()
 {
     message_.repeated = 1;
     return message_;
+}
+
+// Of the first, or of what is pinned or kept by shadow instead.
+void RankingReport::fill_sentence(const vdna_select &select)
+{
+    const char *const choice = experiences_[vdna_select_chosen(&select)].name;
+    if (choice == names_[0]) {
+        sentence_ = program::sentence_of({names_[0], message_.previous, message_.count,
+                                          message_.window_frames, warmup_frames_, message_.verdict,
+                                          message_.unlike, recalls_[0], lows_[0], highs_[0],
+                                          message_.no_prediction, message_.skill});
+        return;
+    }
+    const bool is_pinned = vdna_select_pinned(&select) != VDNA_SELECT_NONE;
+    const char *const misfit = message_.verdict[0] == '\0' ? ""
+                               : std::strcmp(message_.verdict, "poor") == 0
+                                   ? ", with poor recall"
+                                   : ", which this run is unlike";
+    std::snprintf(sentence_.data(), sentence_.size(), "%s is %s%s; recommended is %s", choice,
+                  is_pinned ? "pinned" : "kept by shadow", misfit, names_[0]);
 }
 
 namespace
@@ -313,7 +336,8 @@ void fill_memory(const StatusFacts &facts, vdna_msg_status_t &message)
 
 vdna_msg_status_t status_of(const StatusFacts &facts, int64_t utime)
 {
-    const bool selected = vdna_select_state(&facts.select) != VDNA_SELECT_WARMUP;
+    const bool selected = vdna_select_has_choice(&facts.select) != 0;
+    const uint32_t pinned = vdna_select_pinned(&facts.select);
     const uint32_t chosen = vdna_select_chosen(&facts.select);
     vdna_msg_status_t message{};
     message.utime = utime;
@@ -333,6 +357,10 @@ vdna_msg_status_t status_of(const StatusFacts &facts, int64_t utime)
     message.left_out = static_cast<int32_t>(facts.left_out);
     message.map_hash = borrow(facts.map_hash.c_str());
     message.map_changed = facts.map_changed;
+    message.pinned = borrow(pinned == VDNA_SELECT_NONE ? "" : facts.experiences[pinned].name);
+    message.shadow = static_cast<int8_t>(vdna_select_in_shadow(&facts.select));
+    message.excluded_count = static_cast<int32_t>(facts.excluded.size());
+    message.excluded = facts.excluded.data();
     message.backbone = borrow(facts.backbone.identity.backbone);
     message.version = borrow(vdna_version());
     fill_counters(facts, message);

@@ -48,8 +48,10 @@ class RankingReport
     const vdna_msg_ranking_t &fill(const vdna_select &select, bool is_switch);
     // The newest of them for those who listen later; `select` still has that choice.
     const vdna_msg_ranking_t &repeat();
+    // The same of the newest one's window, after a command.
+    const vdna_msg_ranking_t &fill_again(const vdna_select &select);
 
-    // The newest of them in a sentence; "" before the first.
+    // What the newest says of the choice, in a sentence; "" before the first.
     const char *sentence() const { return sentence_.data(); }
     // What it lets expect of a candidate; nullptr if it does not know: during a warmup, and after a
     // switch, because the warmup said otherwise.
@@ -60,6 +62,7 @@ class RankingReport
 
   private:
     void fill_trust(const vdna_select &select);
+    void fill_sentence(const vdna_select &select);
     void fill_entry(const vdna_select &select, size_t at, const vdna_rank_entry &entry);
 
     const Trust &trust_;
@@ -115,6 +118,7 @@ struct StatusFacts {
     size_t left_out; // experiences
     const std::string &map_hash;
     bool map_changed;
+    std::vector<char *> &excluded; // names
     const vdna_backbone_info &backbone;
     const Stages &stages;
     FrameCounts counts;

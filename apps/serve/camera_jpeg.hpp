@@ -6,7 +6,7 @@
 
 #include <vdna/picture.h>
 
-#include "picture/resample.hpp"
+#include "picture/small_jpeg.hpp"
 
 namespace vdna::serve
 {
@@ -29,12 +29,8 @@ class CameraJpeg
         void operator()(vdna_decoder *decoder) const { vdna_decoder_close(decoder); }
     };
 
-    vdna_pixels small_enough(const vdna_pixels &pixels);
-
     std::unique_ptr<vdna_decoder, CloseDecoder> decoder_;
-    picture::Size size_{0, 0};                      // that resampler_ makes
-    std::unique_ptr<picture::Resampler> resampler_; // null until it is needed
-    std::string small_;                             // pixels
+    picture::Shrinker shrinker_{side_max};
 };
 
 } // namespace vdna::serve

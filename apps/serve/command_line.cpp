@@ -31,6 +31,9 @@ void describe(CLI::App &app, Options &options)
         ->check(CLI::Range(0, 65535).description(""))
         ->type_name("0..65535")
         ->capture_default_str();
+    app.add_option("--map", options.map,
+                   "map of the daemon, to show its matched frame beside the camera's picture")
+        ->type_name("DIR");
     const auto add_channel = [&](const std::string &name, std::string &channel) {
         app.add_option("--" + name, channel, "channel of that name")
             ->type_name("CHANNEL")

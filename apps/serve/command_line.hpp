@@ -15,6 +15,7 @@ struct Options {
     std::string command_channel = VDNA_CHANNEL_COMMAND;
     std::string address = "127.0.0.1";
     int port = 8070;
+    std::string map; // directory; "" = none
 };
 
 // Nothing after answering --help or --version. Throws Error.

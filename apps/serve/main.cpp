@@ -2,6 +2,7 @@
 // serve`: so it needs neither a network nor OpenCV, and ends nothing if it ends.
 #include <cstdio>
 #include <iostream>
+#include <optional>
 #include <random>
 
 #include <malloc.h>
@@ -60,16 +61,20 @@ std::string url_of(const Options &options, int port, const std::string &token)
 void serve(const Options &options)
 {
     check(options);
+    std::optional<MapPictures> pictures;
+    if (!options.map.empty())
+        pictures.emplace(options.map);
     LiveState state;
     Reception reception(options.channels, state);
     const Connection commands = connect_for_commands(options.channels.url);
     const std::string token = new_token();
     const PageServer server({options.address, options.port, token,
-                             [&](const telemetry::Command &command) {
-                                 telemetry::send_command(commands, options.command_channel,
-                                                         command);
+                             [&](const telemetry::Command &command, const std::string &argument) {
+                                 telemetry::send_command(commands, options.command_channel, command,
+                                                         argument);
                                  std::cerr << "vdna serve: sent " << command.name << std::endl;
-                             }},
+                             },
+                             pictures ? &*pictures : nullptr},
                             state);
     std::cerr << "vdna serve: listening; whoever has this address, token included, may press the "
                  "page's buttons:"

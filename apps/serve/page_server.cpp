@@ -78,7 +78,9 @@ std::string commands_json()
 {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
     for (const telemetry::Command &command : telemetry::commands())
-        json.push_back({{"name", command.name}, {"does", command.does}});
+        json.push_back({{"name", command.name},
+                        {"argument", telemetry::text_of(command.argument)},
+                        {"does", command.does}});
     return json.dump();
 }
 
@@ -116,10 +118,13 @@ PageServer::PageServer(ServerSettings settings, LiveState &state)
     : settings_(std::move(settings)), state_(state), server_(std::make_unique<httplib::Server>())
 {
     state_.put("commands", commands_json());
+    state_.put("map", settings_.map_pictures ? R"({"shown": true})" : R"({"shown": false})");
     configure(*server_);
     serve_page();
     server_->Get("/events", [this](const Request &, Response &r) { serve_events(r); });
     server_->Get("/picture", [this](const Request &, Response &r) { serve_picture(r); });
+    server_->Get(R"(/map/([A-Za-z0-9._-]{1,63})/([0-9]{1,9})\.jpg)",
+                 [this](const Request &q, Response &r) { serve_map_picture(q, r); });
     server_->Post("/command", [this](const Request &q, Response &r) { take_command(q, r); });
 
     const std::string &address = settings_.address;
@@ -188,20 +193,35 @@ void PageServer::serve_picture(Response &response)
     response.set_content(*picture, "image/jpeg");
 }
 
+void PageServer::serve_map_picture(const Request &request, Response &response)
+{
+    const std::string name = request.matches[1], frame = request.matches[2];
+    std::optional<std::string> jpeg;
+    if (settings_.map_pictures)
+        jpeg = settings_.map_pictures->jpeg(name, static_cast<uint32_t>(std::stoul(frame)));
+    if (!jpeg)
+        return refuse(response, 404, "there is no such thumbnail");
+    response.set_content(*jpeg, "image/jpeg");
+}
+
 void PageServer::take_command(const Request &request, Response &response)
 {
     if (!request.has_header("Origin"))
         return refuse(response, forbidden, "the request does not tell its origin");
     if (!equal(request.get_header_value("X-Vdna-Token"), settings_.token))
         return refuse(response, forbidden, "the token is wrong; open the address that was printed");
-    const auto &all = telemetry::commands();
-    const auto command = std::find_if(
-        all.begin(), all.end(), [&](const auto &known) { return request.body == known.name; });
-    if (command == all.end())
+    const size_t space = std::min(request.body.find(' '), request.body.size());
+    const telemetry::Command *const command =
+        telemetry::find_command(request.body.substr(0, space));
+    if (!command)
         return refuse(response, 400, "there is no such command");
+    // The daemon judges it; LCM's strings end at a NUL.
+    const std::string argument = request.body.substr(std::min(space + 1, request.body.size()));
+    if (argument.find('\0') != std::string::npos)
+        return refuse(response, 400, "the argument has a NUL");
     try {
         const std::lock_guard<std::mutex> lock(sending_);
-        settings_.send(*command);
+        settings_.send(*command, argument);
         response.status = 204;
     } catch (const Error &error) {
         refuse(response, 503, error.what());

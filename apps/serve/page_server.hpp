@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "serve/live_state.hpp"
+#include "serve/map_pictures.hpp"
 #include "telemetry/commands.hpp"
 
 namespace httplib
@@ -29,7 +30,8 @@ struct ServerSettings {
     int port;            // 0 = any
     std::string token;
     // Called by any thread, one at a time. Throws Error.
-    std::function<void(const telemetry::Command &)> send;
+    std::function<void(const telemetry::Command &, const std::string &argument)> send;
+    MapPictures *map_pictures = nullptr; // borrowed; null = the page shows no frames of a map
 };
 
 class PageServer
@@ -51,6 +53,7 @@ class PageServer
     void serve_page();
     void serve_events(httplib::Response &response);
     void serve_picture(httplib::Response &response);
+    void serve_map_picture(const httplib::Request &request, httplib::Response &response);
     void take_command(const httplib::Request &request, httplib::Response &response);
 
     const ServerSettings settings_;

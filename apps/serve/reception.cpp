@@ -96,6 +96,8 @@ void Reception::take(const vdna_listener_message &message)
         return;
     const bool had_choice = !newest_.ranking().is_null() || !newest_.localisation().is_null();
     const telemetry::View &view = telemetry::view_of(*message.type);
+    if (message.type == &vdna_message_command_result)
+        return put("result", view.json(message.data));
     if (!newest_.take(view.name, view.json(message.data), program::monotonic_us()))
         return;
     if (message.type == &vdna_message_localisation) {

@@ -48,13 +48,18 @@ std::string reason_of(const Json &ranking, const Json &entries)
            fixed(farther, 2) + " farther";
 }
 
-// ", because ..." if the ranking is the one that made this choice.
-std::string because(const Json &ranking, const std::string &choice)
+// ", because ..." if the ranking is the one that made this choice, or an operator.
+std::string because(const Json &status, const Json &ranking, const std::string &choice)
 {
+    if (text_of(status, "pinned") == choice)
+        return ", because it is pinned";
     if (!ranking.is_object() || !ranking.contains("ranking") || ranking["ranking"].empty())
         return "; why was said before this program listened";
     const Json &entries = ranking["ranking"];
-    return text_of(entries[0], "experience") == choice ? ", " + reason_of(ranking, entries) : "";
+    const std::string first = text_of(entries[0], "experience");
+    if (first != choice && status.value("shadow", false))
+        return ", kept by shadow; recommended is " + first;
+    return first == choice ? ", " + reason_of(ranking, entries) : "";
 }
 
 std::string with_reason(const std::string &clause, const Json &status)
@@ -78,12 +83,14 @@ Headline headline(const Json &status, const Json &ranking, double silent_s, cons
         return {"wait", "Warming up: " + percent(number_of(status, "progress")) +
                             " % of the frames to choose by have come."};
     if (state == "VALID")
-        return {"good", "Localising in " + choice + because(ranking, choice) + "."};
+        return {"good", "Localising in " + choice + because(status, ranking, choice) + "."};
     if (state == "UNSURE" && !text_of(status, "reason").empty())
         return {"doubt", with_reason("Unsure of the place in " + choice, status)};
     if (state == "UNSURE")
-        return {"doubt",
-                "Unsure of the place, localising in " + choice + because(ranking, choice) + "."};
+        return {"doubt", "Unsure of the place, localising in " + choice +
+                             because(status, ranking, choice) + "."};
+    if (state == "NONE_FITS" && text_of(status, "pinned") == choice)
+        return {"doubt", with_reason("Localising in " + choice + ", which does not fit", status)};
     if (state == "NONE_FITS")
         return {"doubt",
                 with_reason("No experience fits, " + choice + " is the least bad", status)};

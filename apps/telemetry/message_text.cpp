@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include <vdna_messages.h>
+#include <vdna_msg_command_result_t.h>
 #include <vdna_msg_localisation_t.h>
 #include <vdna_msg_ranking_t.h>
 #include <vdna_msg_status_t.h>
@@ -16,6 +17,7 @@
 
 #include "program/choice_sentence.hpp"
 #include "telemetry/members.hpp"
+#include "telemetry/commands.hpp"
 
 namespace vdna::telemetry
 {
@@ -209,6 +211,12 @@ std::string text_of(const vdna_msg_status_t &message)
         number(message.processed), number(message.skipped), number(message.refused),
         number(message.oversized), number(message.late), number(message.rejected),
         mb(message.resident_bytes), mb(message.resident_bytes_max));
+    if (message.pinned[0])
+        text += format(", pinned: %s", message.pinned);
+    if (message.shadow)
+        text += ", in shadow";
+    for (int32_t i = 0; i < message.excluded_count; i++)
+        text += (i == 0 ? ", excluded: " : " ") + std::string(message.excluded[i]);
     if (message.left_out > 0)
         text += format(", %d experience%s left out", message.left_out,
                        message.left_out == 1 ? "" : "s");
@@ -225,6 +233,24 @@ std::string text_of(const vdna_msg_status_t &message)
     if (message.message[0])
         text += format("\n             last problem: %s", message.message);
     return text;
+}
+
+// One line.
+std::string text_of(const vdna_msg_command_result_t &message)
+{
+    return format("result       %s %s: ", name_of_command(message.command),
+                  message.accepted ? "accepted" : "refused") +
+           message.text + format(" (map %s)", message.map_hash);
+}
+
+nlohmann::ordered_json json_of(const vdna_msg_command_result_t &message)
+{
+    return {{"type", "result"},
+            {"utime", message.utime},
+            {"command", name_of_command(message.command)},
+            {"accepted", message.accepted != 0},
+            {"text", message.text},
+            {"map_hash", message.map_hash}};
 }
 
 nlohmann::ordered_json json_of(const vdna_msg_ranking_t &message)
@@ -319,6 +345,9 @@ nlohmann::ordered_json json_of(const vdna_msg_status_t &message)
                                 {"left_out", message.left_out},
                                 {"map_hash", message.map_hash},
                                 {"map_changed", message.map_changed != 0},
+                                {"pinned", message.pinned},
+                                {"shadow", message.shadow != 0},
+                                {"excluded", nlohmann::ordered_json::array()},
                                 {"backbone", message.backbone},
                                 {"version", message.version},
                                 {"received", message.received},
@@ -341,6 +370,8 @@ nlohmann::ordered_json json_of(const vdna_msg_status_t &message)
                                 {"reordered_frames", message.reordered_frames},
                                 {"lost_frames", message.lost_frames},
                                 {"restarts", message.restarts}};
+    for (int32_t i = 0; i < message.excluded_count; i++)
+        json["excluded"].push_back(message.excluded[i]);
     for (const auto &[name, duration] : stages_of(message))
         json[name] = json_of(*duration);
     json["resident_bytes"] = message.resident_bytes;
@@ -378,6 +409,8 @@ const std::vector<View> &views()
         view<vdna_msg_ranking_t>(vdna_message_ranking, "ranking", VDNA_CHANNEL_RANKING),
         view<vdna_msg_localisation_t>(vdna_message_localisation, "localisation",
                                       VDNA_CHANNEL_LOCALISATION),
+        view<vdna_msg_command_result_t>(vdna_message_command_result, "result",
+                                        VDNA_CHANNEL_COMMAND_RESULT),
         view<vdna_msg_status_t>(vdna_message_status, "status", VDNA_CHANNEL_STATUS),
     };
     return all;

@@ -32,6 +32,7 @@ struct BuildOptions {
     std::string name;
     bool join = false;
     bool force = false;
+    bool no_thumbnails = false;
     bool json = false;
 };
 
@@ -266,6 +267,8 @@ void build(const BuildOptions &options)
     find_ranges(options, remaining, backbone, maker);
     find_projection(options, remaining, backbone, maker);
     require_comparable(remaining, drafts, maker);
+    if (!options.no_thumbnails)
+        maker.add_thumbnails();
     maker.make(drafts, options.range_rule);
     require_one_frame(remaining, drafts);
     write(drafts, maker, change);
@@ -317,6 +320,10 @@ void add_build(CLI::App &app)
         "--join", options->join,
         "all SOURCEs are one drive, in this order: videos or logs that a recorder cut "
         "by size. Other sub-commands take such files as one SOURCE: a.mp4+b.mp4");
+    command->add_flag("--no-thumbnails", options->no_thumbnails,
+                      "leave out the thumbnails, a JPEG of at most " +
+                          std::to_string(VDNA_THUMBNAIL_MAX) +
+                          " bytes for each frame: see vdna show");
     command->add_flag("--force", options->force, "replace existing experiences");
     command->add_flag("--json", options->json, "report as JSON");
     command->footer("All or nothing: after an error or Ctrl-C the map is unchanged. A map of two "

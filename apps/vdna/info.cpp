@@ -12,6 +12,7 @@
 #include "record/experiences.hpp"
 #include "record/map_trust.hpp"
 #include "vdna/commands.hpp"
+#include "vdna/experience_table.hpp"
 #include "vdna/position_json.hpp"
 
 namespace vdna::tool
@@ -22,6 +23,7 @@ namespace
 
 struct InfoOptions {
     std::vector<std::string> paths;
+    bool in_full = false;
     bool json = false;
 };
 
@@ -82,7 +84,7 @@ program::Json labels_of(const vdna_experience &e)
     return labels;
 }
 
-program::Json json_of(const Experience &file)
+program::Json contents_of(const Experience &file)
 {
     const vdna_experience &e = *file.get();
     const double grey = std::accumulate(e.frame_grey, e.frame_grey + e.frames, 0.0) / e.frames;
@@ -110,6 +112,13 @@ program::Json json_of(const Experience &file)
             {"comparable", e.comparable}};
 }
 
+program::Json json_of(const Experience &file)
+{
+    program::Json json = contents_of(file);
+    json.update(look_of(*file.get()));
+    return json;
+}
+
 void print_text(const program::Json &json)
 {
     for (const auto &[key, value] : json.items()) {
@@ -118,13 +127,22 @@ void print_text(const program::Json &json)
     }
 }
 
-void print_texts(const program::Json &experiences, const program::Json &maps)
+void print(const std::vector<Experience> &files, bool in_full)
 {
-    for (const program::Json &experience : experiences)
-        print_text(experience);
-    for (const program::Json &map : maps)
-        std::cout << map["map"].get<std::string>() << ": " << map["trust"].get<std::string>()
-                  << '\n';
+    if (!in_full)
+        std::cout << experience_table(files);
+    for (const Experience &file : files)
+        if (in_full)
+            print_text(json_of(file));
+}
+
+// What belongs to the map as a whole, below the table of its experiences.
+void print_map(const std::string &map, const vdna_experience &e, const program::Json &trust)
+{
+    std::cout << map << ": " << e.identity.neurons << " neurons x " << e.identity.bins
+              << " bins, embeddings of " << e.identity.dim << " numbers, backbone "
+              << e.identity.backbone << " (" << vdna_identity_precision(&e.identity) << ")\n"
+              << map << ": " << trust["trust"].get<std::string>() << '\n';
 }
 
 // Why these experiences are no map: they do not compare, or one name is there twice; "" if they
@@ -183,13 +201,18 @@ void info(const InfoOptions &options)
     program::Json experiences = program::Json::array();
     for (const std::string &path : options.paths) {
         const std::vector<Experience> files = record::open_experiences({path});
+        const bool is_map = std::filesystem::is_directory(path);
         for (const Experience &file : files)
             experiences.push_back(json_of(file));
+        if (!options.json)
+            print(files, options.in_full || !is_map);
         const std::string mismatch = mismatch_of(files);
         if (!mismatch.empty())
             mismatches.push_back(mismatch);
-        else if (std::filesystem::is_directory(path))
+        else if (is_map)
             maps.push_back(trust_of(path, files));
+        if (!options.json && is_map && mismatch.empty())
+            print_map(path, *files.front().get(), maps.back());
         const std::string warning = warning_of(files);
         if (!warning.empty())
             warnings.push_back(warning);
@@ -199,8 +222,6 @@ void info(const InfoOptions &options)
                              {"maps", maps},
                              {"mismatches", mismatches},
                              {"warnings", warnings}});
-    else
-        print_texts(experiences, maps);
     for (const std::string &warning : warnings)
         program::tell_once(warning);
     if (!mismatches.empty())
@@ -219,8 +240,11 @@ void add_info(CLI::App &app)
                      "experience files, or map directories; experiences of a map must also compare")
         ->type_name("PATH")
         ->required();
+    command->add_flag("-l,--long", options->in_full,
+                      "all that each experience of a map holds, as of single files");
     command->add_flag("--json", options->json, "report as JSON");
-    command->footer("Times are in microseconds; [a, b] are minimum and maximum.\n\n"
+    command->footer("A map is shown as a table, a file in full: times in microseconds, [a, b] are "
+                    "minimum and maximum.\n\n"
                     "Examples:\n"
                     "  vdna info park\n"
                     "  vdna info --json park/winter.vdna");

@@ -239,7 +239,7 @@ static vdna_status open_file(const request *wanted, listed *file, vdna_error *er
         file->device = about.st_dev;
         file->inode = about.st_ino;
     }
-    return vdna_open_descriptor(descriptor, (int)wanted->config.copy, path, error, out_experience);
+    return vdna_open_descriptor(descriptor, &wanted->config, path, error, out_experience);
 }
 
 /* Check the last experience, that of the last file, against those before it; all compare if each
@@ -426,10 +426,10 @@ vdna_status vdna_map_open_as(const vdna_map_config *config, const char *director
     listing files;
     request wanted = {directory, out_experiences, capacity, map_open_defaults, 0, NULL};
     if (!vdna_config_read(config, OLDEST_CONFIG, &wanted.config, sizeof wanted.config) ||
-        wanted.config.copy > 1)
+        wanted.config.copy > 1 || wanted.config.no_thumbnails > 1)
         return vdna_fail(error, VDNA_ERR_ARG,
-                         "%s: cannot be opened as wanted: copy is neither 0 nor 1, or the config"
-                         " is not from vdna_map_config_init()",
+                         "%s: cannot be opened as wanted: copy or no_thumbnails is neither 0 nor 1,"
+                         " or the config is not from vdna_map_config_init()",
                          directory);
     const vdna_status status = read_map(&wanted, error, &files);
     if (status != VDNA_OK)

@@ -17,10 +17,12 @@ void vdna_layout_of(const vdna_experience *experience, vdna_field out_fields[VDN
         {"projection", "F32", 4, 1, {e->identity.dim, e->identity.raw_dim}, e->identity.projection},
         {"embeddings", "F32", 4, 1, {e->frames, e->identity.dim}, floats},
         {"frame_grey", "F32", 4, 0, {e->frames}, e->frame_grey},
+        {"frame_thumbnail_end", "U32", 4, 1, {e->frames}, e->thumbnail_end},
         {"frame_embedding_scale", "F32", 4, 1, {e->frames}, e->embedding_scale},
         {"frame_last_layer_scale", "F32", 4, 1, {e->frames}, e->last_layer_scale},
         {"frame_embedding", "I8", 1, 1, {e->frames, e->identity.dim}, e->embedding_codes},
         {"frame_last_layer", "I8", 1, 1, {e->frames, e->last_layer_dim}, e->last_layer},
+        {"thumbnails", "U8", 1, 1, {e->thumbnail_bytes}, e->thumbnails},
     };
     memcpy(out_fields, fields, sizeof fields);
 }

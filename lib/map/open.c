@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "layout.h"
 #include "read.h"
 
 static vdna_status refused(const char *path, const char *what, vdna_error *error)
@@ -114,12 +115,44 @@ static const char *remedy_of(vdna_status status)
     }
 }
 
+/* Bytes of the file up to the end of the last tensor that `e` points to. */
+static size_t size_in_use(const vdna_experience *e)
+{
+    const unsigned char *const begin = e->file_bytes;
+    size_t size = 0;
+    vdna_field fields[VDNA_FIELD_COUNT];
+    vdna_layout_of(e, fields);
+    for (size_t f = 0; f < VDNA_FIELD_COUNT; f++) {
+        const unsigned char *const data = fields[f].data;
+        const size_t bytes = (size_t)vdna_field_elements(&fields[f]) * fields[f].width;
+        if (data && (size_t)(data - begin) + bytes > size)
+            size = (size_t)(data - begin) + bytes;
+    }
+    return size;
+}
+
+/* Unmap the whole pages that only thumbnails need; they are the end of a file of ours. */
+static void give_back_thumbnails(vdna_experience *e)
+{
+    if (!e->thumbnails)
+        return;
+    e->thumbnails = NULL;
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE), used = size_in_use(e);
+    e->thumbnail_end = NULL;
+    e->thumbnail_bytes = 0;
+    const size_t kept = (used + page - 1) / page * page;
+    /* The cast drops const, which is for callers: munmap() changes no byte. */
+    if (kept < e->file_size)
+        munmap((char *)e->file_bytes + kept, e->file_size - kept);
+    e->file_size = used;
+}
+
 /* see open.h */
-vdna_status vdna_open_descriptor(int descriptor, int copy, const char *path, vdna_error *error,
-                                 vdna_experience *out_experience)
+vdna_status vdna_open_descriptor(int descriptor, const vdna_map_config *how, const char *path,
+                                 vdna_error *error, vdna_experience *out_experience)
 {
     vdna_file_bytes file = {NULL, 0};
-    vdna_status status = vdna_open_bytes(descriptor, copy, path, error, &file);
+    vdna_status status = vdna_open_bytes(descriptor, (int)how->copy, path, error, &file);
     if (status != VDNA_OK)
         return status;
 
@@ -131,6 +164,8 @@ vdna_status vdna_open_descriptor(int descriptor, int copy, const char *path, vdn
     }
     out_experience->file_bytes = file.bytes;
     out_experience->file_size = file.size;
+    if (how->no_thumbnails)
+        give_back_thumbnails(out_experience);
     return VDNA_OK;
 }
 
@@ -140,7 +175,8 @@ vdna_status vdna_experience_open(const char *path, vdna_error *error,
 {
     if (!path || !out_experience)
         return vdna_fail(error, VDNA_ERR_ARG, "experience to open: no path or no place for it");
-    return vdna_open_descriptor(open(path, VDNA_OPEN_FLAGS), 0, path, error, out_experience);
+    const vdna_map_config mapped = {.copy = 0};
+    return vdna_open_descriptor(open(path, VDNA_OPEN_FLAGS), &mapped, path, error, out_experience);
 }
 
 /* see vdna/map.h */
@@ -182,4 +218,21 @@ void vdna_experience_view(const vdna_experience *experience, vdna_hist_view *out
     out_view->mass = experience->mass;
     out_view->neurons = experience->identity.neurons;
     out_view->bins = experience->identity.bins;
+}
+
+/* see vdna/map.h */
+vdna_status vdna_experience_thumbnail(const vdna_experience *experience, uint32_t frame,
+                                      const uint8_t **out_jpeg, size_t *out_size)
+{
+    if (!experience || !out_jpeg || !out_size || frame >= experience->frames)
+        return VDNA_ERR_ARG;
+    if (!experience->thumbnails)
+        return VDNA_ERR_EMPTY;
+    const uint32_t begin = frame > 0 ? experience->thumbnail_end[frame - 1] : 0;
+    const uint32_t end = experience->thumbnail_end[frame];
+    if (begin == end)
+        return VDNA_ERR_EMPTY;
+    *out_jpeg = experience->thumbnails + begin;
+    *out_size = end - begin;
+    return VDNA_OK;
 }

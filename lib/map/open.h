@@ -29,9 +29,9 @@ void vdna_close_bytes(const vdna_file_bytes *file);
 
 /* vdna_experience_open() of a descriptor, which is closed in any case.
  * @param descriptor  what open() returned; if that is -1, errno says why
- * @param copy  whether to copy the file, which is mapped otherwise
+ * @param how  whether to copy the file, which is mapped otherwise, and to keep its thumbnails
  * @param path  for the error */
-vdna_status vdna_open_descriptor(int descriptor, int copy, const char *path, vdna_error *error,
-                                 vdna_experience *out_experience);
+vdna_status vdna_open_descriptor(int descriptor, const vdna_map_config *how, const char *path,
+                                 vdna_error *error, vdna_experience *out_experience);
 
 #endif

@@ -58,6 +58,8 @@ static vdna_status read_texts(const vdna_header *header, vdna_error *reason, vdn
     if (status == VDNA_OK)
         status = read_optional(header, "embedding", e->identity.embedding,
                                sizeof e->identity.embedding, reason);
+    if (status == VDNA_OK)
+        status = read_optional(header, "source", e->source, sizeof e->source, reason);
     return status;
 }
 
@@ -103,6 +105,20 @@ static vdna_status read_raw_dim(const vdna_header *header, vdna_error *reason, v
     return read_sizes(header, "projection", reason, &rows, &e->identity.raw_dim);
 }
 
+static vdna_status read_thumbnail_bytes(const vdna_header *header, vdna_error *reason,
+                                        vdna_experience *e)
+{
+    const vdna_tensor *tensor = vdna_header_tensor(header, "thumbnails");
+    if (!tensor)
+        return VDNA_OK;
+    if (tensor->dimensions != 1 || tensor->shape[0] == 0 || tensor->shape[0] > UINT32_MAX)
+        return vdna_fail(reason, VDNA_ERR_FORMAT,
+                         "tensor thumbnails has a shape that does not fit, expected one size of at"
+                         " least 1 and below 2^32");
+    e->thumbnail_bytes = (uint32_t)tensor->shape[0];
+    return VDNA_OK;
+}
+
 static vdna_status find_fields(const unsigned char *bytes, const vdna_header *header,
                                const vdna_experience *e, vdna_error *reason,
                                vdna_field fields[VDNA_FIELD_COUNT])
@@ -124,6 +140,8 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
     if (status == VDNA_OK)
         status = read_raw_dim(header, reason, e);
     if (status == VDNA_OK)
+        status = read_thumbnail_bytes(header, reason, e);
+    if (status == VDNA_OK)
         status = find_fields(bytes, header, e, reason, fields);
     if (status != VDNA_OK)
         return status;
@@ -141,6 +159,8 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
     e->last_layer = fields[VDNA_FIELD_LAST_LAYER].data;
     e->embedding_scale = fields[VDNA_FIELD_EMBEDDING_SCALE].data;
     e->embedding_codes = fields[VDNA_FIELD_EMBEDDING_CODES].data;
+    e->thumbnail_end = fields[VDNA_FIELD_THUMBNAIL_END].data;
+    e->thumbnails = fields[VDNA_FIELD_THUMBNAILS].data;
     return VDNA_OK;
 }
 

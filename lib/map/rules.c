@@ -184,6 +184,46 @@ static vdna_status check_order(const vdna_experience *e, vdna_error *reason)
     return VDNA_OK;
 }
 
+static vdna_status check_source(const vdna_experience *e, vdna_error *reason)
+{
+    size_t length = 0;
+    while (length < sizeof e->source && e->source[length] >= ' ' && e->source[length] <= '~')
+        length++;
+    if (length < sizeof e->source && e->source[length] == '\0')
+        return VDNA_OK;
+    return vdna_fail(reason, VDNA_ERR_ARG, "source is not 0 to %u printable ASCII characters",
+                     VDNA_SOURCE_SIZE - 1);
+}
+
+/* Every thumbnail ends within all of them; what their bytes are does not matter here. */
+static vdna_status check_thumbnails(const vdna_experience *e, vdna_error *reason)
+{
+    if (!e->thumbnails != !e->thumbnail_end || !e->thumbnails != (e->thumbnail_bytes == 0))
+        return vdna_fail(reason, VDNA_ERR_ARG,
+                         "the thumbnails have %s, %s and %" PRIu32
+                         " bytes, expected all of it or nothing",
+                         e->thumbnails ? "pictures" : "no pictures",
+                         e->thumbnail_end ? "ends" : "no ends", e->thumbnail_bytes);
+    if (!e->thumbnails)
+        return VDNA_OK;
+    uint32_t begin = 0;
+    for (size_t f = 0; f < e->frames; f++) {
+        const uint32_t end = e->thumbnail_end[f];
+        if (end < begin || end - begin > VDNA_THUMBNAIL_MAX)
+            return vdna_fail(reason, VDNA_ERR_ARG,
+                             "the thumbnail of frame %zu ends at byte %" PRIu32
+                             ", expected %" PRIu32 " and at most %u more",
+                             f, end, begin, VDNA_THUMBNAIL_MAX);
+        begin = end;
+    }
+    if (begin != e->thumbnail_bytes)
+        return vdna_fail(reason, VDNA_ERR_ARG,
+                         "the last thumbnail ends at byte %" PRIu32 ", expected %" PRIu32
+                         ", the size of all",
+                         begin, e->thumbnail_bytes);
+    return VDNA_OK;
+}
+
 static vdna_status check_position_frame(const vdna_experience *e, vdna_error *reason)
 {
     vdna_error why;
@@ -230,8 +270,9 @@ static vdna_status check_positions(const vdna_experience *e, vdna_error *reason)
 vdna_status vdna_rules_check(const vdna_experience *experience, vdna_error *reason)
 {
     static vdna_status (*const checks[])(const vdna_experience *, vdna_error *) = {
-        check_name,   check_codes,   check_shape, check_identity,       check_mass,
-        check_counts, check_numbers, check_order, check_position_frame, check_positions};
+        check_name,           check_codes,     check_shape,   check_identity,
+        check_mass,           check_counts,    check_numbers, check_order,
+        check_position_frame, check_positions, check_source,  check_thumbnails};
     for (size_t c = 0; c < sizeof checks / sizeof *checks; c++) {
         const vdna_status status = checks[c](experience, reason);
         if (status != VDNA_OK)

@@ -7,7 +7,7 @@
 
 #include "tensors.h"
 
-/* Room for taps, preprocessing and eight short texts with every byte escaped, plus about 100 bytes
+/* Room for taps, preprocessing and nine short texts with every byte escaped, plus about 100 bytes
  * per tensor.
  */
 #define HEADER_SIZE 12288u

@@ -50,6 +50,7 @@ vdna_status vdna_write_into(vdna_replace *file, const vdna_experience *experienc
         {"comparable", comparable},
         {"position_frame", e->frame_position ? vdna_position_frame_of(e) : NULL},
         {"order", unless_empty(e->order)},
+        {"source", unless_empty(e->source)},
         {"format_version", version},
     };
     vdna_field fields[VDNA_FIELD_COUNT];

@@ -79,7 +79,7 @@ static vdna_window_config window_config_of(const vdna_select_config *config,
 /* The parts of the caller's block, in order; each size keeps the next part aligned. */
 typedef struct layout {
     size_t select, ranking, views, scratch, leads, answers, predictions; /* bytes of each */
-    size_t of_candidates, likeness, codes, window;
+    size_t of_candidates, likeness, codes, excluded, window;
     size_t total;              /* 0 if the config is invalid */
     vdna_select_config config; /* complete */
 } layout;
@@ -115,10 +115,11 @@ static layout layout_of(const vdna_select_config *given)
         l.of_candidates = l.likeness = sizeof(double) * count;
         l.codes = aligned(vdna_select_codes(config));
     }
+    l.excluded = aligned(sizeof(uint8_t) * count);
     l.window = vdna_window_mem_size(&window);
     if (l.window != 0 && l.scratch != 0)
         l.total = l.select + l.ranking + l.views + l.scratch + l.leads + l.answers + l.predictions +
-                  l.of_candidates + l.likeness + l.codes + l.window;
+                  l.of_candidates + l.likeness + l.codes + l.excluded + l.window;
     return l;
 }
 
@@ -141,9 +142,10 @@ static vdna_status check_candidates(const vdna_select_config *config)
     return VDNA_OK;
 }
 
-/* Begin a warmup. In NONE_FITS the choice stays meanwhile; the localisers begin anew all the same,
- * because a live mean of frames unlike the map would spoil the next choice's places for long. */
-static void warm_up_again(vdna_select *select)
+/* see select_state.h; in NONE_FITS the choice stays meanwhile. The localisers begin anew all the
+ * same, because a live mean of frames unlike the map would spoil the next choice's places for long.
+ */
+void vdna_select_warm_up_again(vdna_select *select)
 {
     vdna_window_reset(select->window);
     vdna_trust_reset(select->config.trust);
@@ -152,8 +154,9 @@ static void warm_up_again(vdna_select *select)
     if (select->state == VDNA_SELECT_NONE_FITS)
         return;
     select->state = VDNA_SELECT_WARMUP;
-    select->chosen = 0;
+    select->is_placed = 0;
     select->ranked_by = VDNA_SELECT_BY_EMD;
+    vdna_select_decide(select);
 }
 
 /* The next part of the caller's block, which ends at `*end`, and begins there. */
@@ -190,6 +193,9 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
     s.of_candidates = next_part(&end, l.of_candidates);
     s.likeness = next_part(&end, l.likeness);
     s.codes = next_part(&end, l.codes);
+    s.excluded = next_part(&end, l.excluded);
+    memset(s.excluded, 0, l.excluded);
+    s.pinned = s.kept = VDNA_SELECT_NONE;
     vdna_activations shape;
     const vdna_window_config window = window_config_of(&l.config, &shape);
     status = vdna_window_init(&window, end, l.window, &s.window);
@@ -198,7 +204,7 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
     vdna_camera_time_init(&s.time, s.config.time_unit, s.config.late_us);
     for (uint32_t i = 0; i < s.config.candidate_count; i++)
         s.views[i] = s.config.candidates[i].dna;
-    warm_up_again(&s);
+    vdna_select_warm_up_again(&s);
     *out_select = mem;
     **out_select = s;
     return VDNA_OK;
@@ -210,11 +216,12 @@ void vdna_select_reset(vdna_select *select)
     if (!select)
         return;
     select->state = VDNA_SELECT_WARMUP;
-    warm_up_again(select);
+    vdna_select_forget_held(select);
+    vdna_select_warm_up_again(select);
     vdna_camera_time_begin(&select->time);
 }
 
-/* Rank the experiences against the window, and choose the first.
+/* Rank the experiences against the window, and choose the first, or what is held.
  * @param is_early  whether the choice has settled before the window is complete */
 static vdna_status choose(vdna_select *select, int is_early)
 {
@@ -226,12 +233,16 @@ static vdna_status choose(vdna_select *select, int is_early)
     if (status != VDNA_OK)
         return status;
     vdna_select_judge(select, is_early);
-    select->state =
-        select->trusted.verdict == VDNA_TRUST_FITS ? VDNA_SELECT_SELECTED : VDNA_SELECT_NONE_FITS;
-    select->chosen = select->ranking[0].candidate;
+    vdna_select_put_excluded_last(select);
     select->is_over = 1;
     if (select->config.reselect)
-        vdna_trust_choose(select->config.trust, select->chosen);
+        vdna_trust_choose(select->config.trust, select->ranking[0].candidate);
+    const uint32_t held = vdna_select_held(select);
+    if (held != VDNA_SELECT_NONE)
+        vdna_trust_judge(select->config.trust, held, select->predictions, &select->trusted);
+    select->state =
+        select->trusted.verdict == VDNA_TRUST_FITS ? VDNA_SELECT_SELECTED : VDNA_SELECT_NONE_FITS;
+    vdna_select_decide(select);
     return VDNA_OK;
 }
 
@@ -264,7 +275,8 @@ static uint32_t restart_of(const vdna_select *select, uint32_t order, int64_t ut
 
 static void restart(vdna_select *select, uint32_t cause)
 {
-    warm_up_again(select);
+    vdna_select_forget_held(select);
+    vdna_select_warm_up_again(select);
     select->restarts++;
     select->restart_cause = cause;
 }
@@ -300,11 +312,12 @@ static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, 
     if (status != VDNA_OK)
         return status;
     if (select->is_over)
-        warm_up_again(select);
+        vdna_select_warm_up_again(select);
     answer->restarted = restart_of(select, order, utime);
     if (answer->restarted != VDNA_RESTART_NONE)
         restart(select, answer->restarted);
 
+    const uint32_t held = vdna_select_held(select); /* in shadow, more may be from the choice on */
     uint32_t events = 0;
     status = add_to_window(select, frame, utime, &events);
     const int is_complete = (events & VDNA_WINDOW_COMPLETE) != 0;
@@ -314,14 +327,17 @@ static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, 
         status = choose(select, !is_complete);
     if (status != VDNA_OK) { /* the ranking is lost, too */
         select->state = VDNA_SELECT_WARMUP;
-        warm_up_again(select);
+        vdna_select_warm_up_again(select);
         return status;
     }
     if (answer->newly_ranked && is_first)
-        vdna_select_follow_leads(select);
-    /* A frame that is too far from all to have a distance is not localised; the choice stands. */
+        vdna_select_follow_leads(select, held);
+    /* A frame that is too far from all to have a distance is not localised; the choice stands. A
+     * frame of the first warmup is localised only in what is held: it leads all others. */
     if (!is_first || !(events & VDNA_WINDOW_ADDED))
         vdna_select_localise(select, frame->embedding, answer);
+    else
+        vdna_select_localise_in_held(select, held, frame->embedding, answer);
     return VDNA_OK;
 }
 
@@ -402,15 +418,21 @@ uint32_t vdna_select_chosen(const vdna_select *select)
     return select ? select->chosen : 0;
 }
 
-static int has_choice(const vdna_select *select)
+static int is_ranked(const vdna_select *select)
 {
     return vdna_select_state(select) != VDNA_SELECT_WARMUP;
 }
 
 /* see vdna/select.h */
+uint32_t vdna_select_has_choice(const vdna_select *select)
+{
+    return select && (is_ranked(select) || vdna_select_held(select) != VDNA_SELECT_NONE);
+}
+
+/* see vdna/select.h */
 double vdna_select_margin_bins(const vdna_select *select)
 {
-    if (!has_choice(select) || select->config.candidate_count == 1)
+    if (!is_ranked(select) || select->config.candidate_count == 1)
         return 0;
     return select->ranking[1].distance_bins - select->ranking[0].distance_bins;
 }
@@ -418,7 +440,7 @@ double vdna_select_margin_bins(const vdna_select *select)
 /* see vdna/select.h */
 const vdna_select_position *vdna_select_where(const vdna_select *select)
 {
-    return has_choice(select) && select->config.localisers ? &select->position : NULL;
+    return vdna_select_has_choice(select) && select->is_placed ? &select->position : NULL;
 }
 
 /* see vdna/select.h */
@@ -432,7 +454,7 @@ uint32_t vdna_select_is_lost(const vdna_select *select)
 /* see vdna/select.h */
 const vdna_rank_entry *vdna_select_ranking(const vdna_select *select, uint32_t *out_count)
 {
-    const int is_there = has_choice(select);
+    const int is_there = is_ranked(select);
     if (out_count)
         *out_count = is_there ? select->config.candidate_count : 0;
     return is_there ? select->ranking : NULL;

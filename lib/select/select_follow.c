@@ -6,9 +6,19 @@
 void vdna_select_forget(vdna_select *select)
 {
     const vdna_select_config *config = &select->config;
+    const uint32_t held = vdna_select_held(select);
     for (uint32_t i = 0; config->localisers && i < config->candidate_count; i++)
-        vdna_localise_reset(config->localisers[i]);
+        if (i != held)
+            vdna_localise_reset(config->localisers[i]);
     select->lead_count = 0;
+}
+
+/* see select_state.h */
+void vdna_select_forget_held(vdna_select *select)
+{
+    const uint32_t held = vdna_select_held(select);
+    if (select->config.localisers && held != VDNA_SELECT_NONE)
+        vdna_localise_reset(select->config.localisers[held]);
 }
 
 /* ---- Leads ---- */
@@ -27,7 +37,8 @@ void vdna_select_take_lead(vdna_select *select, const float *embedding)
     float *const place = lead(select, select->lead_count);
     if (select->lead_count >= VDNA_LOCALISE_LEAD_FRAMES)
         for (uint32_t i = 0; i < config->candidate_count; i++)
-            vdna_localise_warm_up(config->localisers[i], place);
+            if (i != vdna_select_held(select))
+                vdna_localise_warm_up(config->localisers[i], place);
     memcpy(place, embedding, config->dim * sizeof *embedding);
     select->lead_count++;
 }
@@ -35,52 +46,80 @@ void vdna_select_take_lead(vdna_select *select, const float *embedding)
 /* ---- Following ---- */
 
 /* How many of the ranking are localised in at each frame. All of them while others may be chosen at
- * any frame: those know then where the robot is. */
+ * any frame: those know then where the robot is. 0 = in the choice alone, which is held. */
 static uint32_t followed(const vdna_select *select)
 {
     const vdna_select_config *config = &select->config;
     if (config->reselect || select->state == VDNA_SELECT_NONE_FITS)
         return config->candidate_count;
+    if (vdna_select_held(select) != VDNA_SELECT_NONE)
+        return 0;
     return config->top < config->candidate_count ? config->top : config->candidate_count;
 }
 
 /* Localisers refuse nothing: the embedding was checked, and they have its size. */
-static void follow(vdna_select *select, const float *embedding)
+static void follow_in(vdna_select *select, uint32_t candidate, const float *embedding)
 {
-    const uint32_t count = followed(select);
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t candidate = select->ranking[i].candidate;
-        vdna_localise_feed(select->config.localisers[candidate], embedding,
-                           &select->answers[candidate]);
-    }
+    vdna_localise_feed(select->config.localisers[candidate], embedding,
+                       &select->answers[candidate]);
 }
 
-/* Believe the most confident of the first of the ranking. */
+/* Follow in all that are followed.
+ * @param but  a candidate that is left out */
+static void follow(vdna_select *select, uint32_t but, const float *embedding)
+{
+    const uint32_t count = followed(select);
+    for (uint32_t i = 0; i < count; i++)
+        if (select->ranking[i].candidate != but)
+            follow_in(select, select->ranking[i].candidate, embedding);
+    if (count == 0 && select->chosen != but)
+        follow_in(select, select->chosen, embedding);
+}
+
+/* Believe what is held, or the most confident of the first of the ranking that may be chosen. */
 static void believe(vdna_select *select)
 {
     const vdna_select_config *config = &select->config;
     vdna_select_position *const best = &select->position;
-    for (uint32_t i = 0; i < config->top && i < config->candidate_count; i++) {
+    best->candidate = select->chosen;
+    best->answer = select->answers[select->chosen];
+    select->is_placed = 1;
+    if (vdna_select_held(select) != VDNA_SELECT_NONE)
+        return;
+    for (uint32_t i = 1; i < config->top && i < config->candidate_count; i++) {
         const uint32_t candidate = select->ranking[i].candidate;
         const vdna_localise_answer *answer = &select->answers[candidate];
-        if (i > 0 && answer->confidence <= best->answer.confidence)
+        if (select->excluded[candidate] || answer->confidence <= best->answer.confidence)
             continue;
         best->candidate = candidate;
         best->answer = *answer;
     }
 }
 
+/* Its number. */
+static uint64_t oldest_lead(const vdna_select *select)
+{
+    return select->lead_count > VDNA_LOCALISE_LEAD_FRAMES
+               ? select->lead_count - VDNA_LOCALISE_LEAD_FRAMES
+               : 0;
+}
+
 /* see select_state.h */
-void vdna_select_follow_leads(vdna_select *select)
+void vdna_select_follow_leads(vdna_select *select, uint32_t held)
 {
     if (!select->config.localisers)
         return;
-    uint64_t number = 0;
-    if (select->lead_count > VDNA_LOCALISE_LEAD_FRAMES)
-        number = select->lead_count - VDNA_LOCALISE_LEAD_FRAMES;
-    for (; number < select->lead_count; number++)
-        follow(select, lead(select, number));
-    believe(select);
+    for (uint64_t number = oldest_lead(select); number < select->lead_count; number++)
+        follow(select, held, lead(select, number));
+    if (held == VDNA_SELECT_NONE)
+        believe(select);
+}
+
+/* see select_state.h */
+void vdna_select_take_up(vdna_select *select, uint32_t candidate)
+{
+    for (uint64_t number = oldest_lead(select); number < select->lead_count; number++)
+        follow_in(select, candidate, lead(select, number));
 }
 
 /* ---- Choosing again ---- */
@@ -100,9 +139,9 @@ static void switch_choice(vdna_select *select, uint32_t choice)
     for (; at > 0; at--)
         ranking[at] = ranking[at - 1];
     ranking[0] = chosen;
-    select->previous = select->chosen;
-    select->chosen = choice;
+    select->previous = ranking[1].candidate;
     select->switches++;
+    vdna_select_decide(select);
 }
 
 /* Compare how the candidates suit a frame. One that cannot be measured says nothing. */
@@ -115,10 +154,12 @@ static void reconsider(vdna_select *select, const float *embedding)
         return;
     for (uint32_t i = 0; i < select->config.candidate_count; i++)
         confidence[i] = select->answers[i].confidence;
-    uint32_t choice = select->chosen;
+    uint32_t choice = select->ranking[0].candidate;
     vdna_trust_suit(trust, suits, confidence, suits);
+    for (uint32_t i = 0; i < select->config.candidate_count; i++)
+        suits[i] = select->excluded[i] ? 0 : suits[i];
     vdna_trust_reconsider(trust, suits, RECONSIDER_FRAMES, &choice);
-    if (choice != select->chosen)
+    if (choice != select->ranking[0].candidate)
         switch_choice(select, choice);
 }
 
@@ -131,21 +172,46 @@ static vdna_status find_nearest_frame(const vdna_select *select, const float *em
     return vdna_knn(embedding, select->config.dim, chosen->embeddings, chosen->frames, 1, match);
 }
 
-/* see select_state.h */
-vdna_status vdna_select_localise(vdna_select *select, const float *embedding,
-                                 vdna_select_answer *answer)
+/* Answer with where the robot is believed to be. */
+static void place(vdna_select *select, vdna_select_answer *answer)
 {
-    if (!select->config.localisers) {
-        const vdna_status status = find_nearest_frame(select, embedding, &answer->match);
-        answer->localised = status == VDNA_OK;
-        return status;
-    }
-    follow(select, embedding);
-    if (select->config.reselect && select->state == VDNA_SELECT_SELECTED)
-        reconsider(select, embedding);
     believe(select);
     answer->match.index = select->position.answer.nearest;
     answer->match.distance_sq = 2 * select->position.answer.nearest_distance;
     answer->localised = 1;
+}
+
+static vdna_status place_nearest_frame(const vdna_select *select, const float *embedding,
+                                       vdna_select_answer *answer)
+{
+    const vdna_status status = find_nearest_frame(select, embedding, &answer->match);
+    answer->localised = status == VDNA_OK;
+    return status;
+}
+
+/* see select_state.h */
+vdna_status vdna_select_localise(vdna_select *select, const float *embedding,
+                                 vdna_select_answer *answer)
+{
+    if (!select->config.localisers)
+        return place_nearest_frame(select, embedding, answer);
+    follow(select, VDNA_SELECT_NONE, embedding);
+    if (select->config.reselect && select->state == VDNA_SELECT_SELECTED)
+        reconsider(select, embedding);
+    place(select, answer);
     return VDNA_OK;
+}
+
+/* see select_state.h */
+void vdna_select_localise_in_held(vdna_select *select, uint32_t held, const float *embedding,
+                                  vdna_select_answer *answer)
+{
+    if (held == VDNA_SELECT_NONE)
+        return;
+    if (!select->config.localisers) {
+        place_nearest_frame(select, embedding, answer);
+        return;
+    }
+    follow_in(select, held, embedding);
+    place(select, answer);
 }

@@ -15,7 +15,7 @@ struct vdna_select {
     vdna_camera_time time;
 
     /* If there are localisers. */
-    vdna_select_position position; /* valid once there is a choice */
+    vdna_select_position position; /* valid if `is_placed` */
     vdna_localise_answer *answers; /* [candidate_count], of those that are followed */
     float *leads;                  /* [VDNA_LOCALISE_LEAD_FRAMES][dim], a ring */
     uint64_t lead_count;           /* all so far */
@@ -33,10 +33,33 @@ struct vdna_select {
     uint32_t state, chosen, ranked_by;
     uint32_t is_over; /* whether the window is that of the newest choice, so that the next frame to
                          warm up with begins another */
+    uint32_t is_placed; /* whether there is a position */
     uint32_t previous, restart_cause;
     uint64_t accepted, rejected, restarts, switches;
+
+    /* What the operator wants. */
+    uint8_t *excluded;       /* [candidate_count], 1 = not to be chosen */
+    uint32_t pinned, shadow; /* pinned: a candidate, or VDNA_SELECT_NONE; so is `kept` */
+    uint32_t kept;           /* in shadow the choice, once there is one */
     uint64_t moved; /* frames in SELECTED at which the robot moved, if others may be chosen */
 };
+
+/* ---- select.c ---- */
+
+/* Begin a warmup, with the next frame. */
+void vdna_select_warm_up_again(vdna_select *select);
+
+/* ---- select_operator.c ---- */
+
+/* The candidate that is localised in whatever the ranking says: the pinned one, or in shadow the
+ * choice; VDNA_SELECT_NONE = there is none. */
+uint32_t vdna_select_held(const vdna_select *select);
+
+/* Choose what is held, or the first of the ranking if there is one. */
+void vdna_select_decide(vdna_select *select);
+
+/* Move what is excluded behind the rest of the ranking; both keep their order. */
+void vdna_select_put_excluded_last(vdna_select *select);
 
 /* ---- select_trust.c ---- */
 
@@ -65,15 +88,28 @@ void vdna_select_judge(vdna_select *select, int is_early);
 
 /* ---- select_follow.c ---- */
 
-/* Let the localisers forget everything. */
+/* Let the localisers forget everything, but that of what is held, which is followed at every
+ * frame. */
 void vdna_select_forget(vdna_select *select);
+
+/* The same for that one. */
+void vdna_select_forget_held(vdna_select *select);
 
 /* Take a frame of the first warmup: the one that it pushes out of the leads goes into the live
  * means. */
 void vdna_select_take_lead(vdna_select *select, const float *embedding);
 
-/* Let the localisers follow the leads to where the robot is. */
-void vdna_select_follow_leads(vdna_select *select);
+/* Let the localisers follow the leads to where the robot is.
+ * @param held  the candidate whose localiser has followed before the choice, or VDNA_SELECT_NONE */
+void vdna_select_follow_leads(vdna_select *select, uint32_t held);
+
+/* Let the localiser of a candidate follow the leads. */
+void vdna_select_take_up(vdna_select *select, uint32_t candidate);
+
+/* Localise a frame of the first warmup in what is held.
+ * @param held  a candidate; VDNA_SELECT_NONE does nothing */
+void vdna_select_localise_in_held(vdna_select *select, uint32_t held, const float *embedding,
+                                  vdna_select_answer *answer);
 
 /* Localise a frame after the choice, and reconsider that if told to. */
 vdna_status vdna_select_localise(vdna_select *select, const float *embedding,

@@ -92,9 +92,15 @@ vdna_status vdna_select_measure_for_warmup(vdna_select *select, const float *emb
                                                                 : status;
 }
 
+/* What is excluded is as far from a frame as anything can be, so that it never fits best. */
+static const double farthest = 2;
+
 /* see select_state.h */
 void vdna_select_count(vdna_select *select)
 {
+    for (uint32_t i = 0; select->config.trust && i < select->config.candidate_count; i++)
+        if (select->excluded[i])
+            select->of_candidates[i] = select->likeness[i] = farthest;
     /* Nothing that was measured is refused, unless there are very many; then these are enough. */
     vdna_trust_feed(select->config.trust, select->of_candidates, select->likeness);
 }

@@ -31,6 +31,8 @@ struct vdna_transport {
     uint32_t events;
     uint32_t arrived;    /* messages on our channels */
     uint64_t unanswered; /* frames dropped since the last one handed out */
+    vdna_transport_command commands[VDNA_TRANSPORT_COMMANDS_MAX];
+    uint32_t command_count;
 
     /* Frames. */
     vdna_transport_lane lanes[VDNA_TRANSPORT_LANES];
@@ -74,6 +76,9 @@ vdna_status vdna_transport_reserve(vdna_transport *transport, size_t size);
 
 /* Subscribe to the camera, command and peer channels that are used. */
 vdna_status vdna_transport_subscribe(vdna_transport *transport, vdna_error *error);
+
+/* Take a message of the command channel. */
+void vdna_transport_take_command(vdna_transport *transport, const vdna_transport_incoming *message);
 
 /* Take a message of the peer channel. Returns whether it is a status. */
 bool vdna_transport_take_peer(vdna_transport *transport, const vdna_transport_incoming *message);

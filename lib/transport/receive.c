@@ -150,8 +150,19 @@ static void take_large_image(vdna_transport *transport, const vdna_transport_inc
 
 /* --- commands --- */
 
-/* A command that this version does not know is counted and otherwise ignored. */
-static void take_command(vdna_transport *transport, const vdna_transport_incoming *message)
+static void keep_command(vdna_transport *transport, const vdna_transport_command *command)
+{
+    transport->counters.commands++;
+    if (transport->command_count == VDNA_TRANSPORT_COMMANDS_MAX) {
+        transport->counters.commands_dropped++;
+        return;
+    }
+    transport->commands[transport->command_count++] = *command;
+    transport->events |= VDNA_TRANSPORT_COMMAND;
+}
+
+/* see connection.h */
+void vdna_transport_take_command(vdna_transport *transport, const vdna_transport_incoming *message)
 {
     transport->arrived++;
     if (vdna_transport_check(&vdna_message_command, message->data, message->size) != VDNA_OK) {
@@ -160,13 +171,16 @@ static void take_command(vdna_transport *transport, const vdna_transport_incomin
     }
 
     cursor c = cursor_begin(message->data, message->size, vdna_message_command.fingerprint);
-    cursor_int64(&c); /* utime */
-    if (cursor_unsigned(&c, sizeof(int32_t)) == VDNA_MSG_COMMAND_T_RESET) {
-        transport->events |= VDNA_TRANSPORT_RESET;
-        /* So that a recording can be sent again. */
+    vdna_transport_command command = {0};
+    command.utime = cursor_int64(&c);
+    command.command = (int32_t)cursor_unsigned(&c, sizeof(int32_t));
+    command.argument_bytes = cursor_count(&c) - 1; /* checked: there is at least the NUL */
+    const uint32_t room = VDNA_TRANSPORT_ARGUMENT_SIZE - 1;
+    memcpy(command.argument, c.at, command.argument_bytes < room ? command.argument_bytes : room);
+    /* So that a recording can be sent again. */
+    if (command.command == VDNA_MSG_COMMAND_T_RESET)
         transport->streams.count = 0;
-    }
-    transport->counters.commands++;
+    keep_command(transport, &command);
 }
 
 /* --- other daemons --- */
@@ -203,7 +217,7 @@ static void on_command(const lcm_recv_buf_t *received, const char *channel, void
 {
     (void)channel;
     const vdna_transport_incoming message = of_lcm(context, received);
-    take_command(context, &message);
+    vdna_transport_take_command(context, &message);
 }
 
 /* As on_image(), for the peer channel. */
@@ -280,7 +294,7 @@ static void take_arrival(vdna_transport *transport, const vdna_arrival *arrival,
         if (is_camera(transport, arrival))
             take_image(transport, &message);
         else if (strcmp(arrival->channel, transport->command) == 0)
-            take_command(transport, &message);
+            vdna_transport_take_command(transport, &message);
         else
             take_status(transport, &message);
         break;
@@ -417,6 +431,7 @@ vdna_status vdna_transport_poll(vdna_transport *transport, int32_t timeout_ms, u
         return VDNA_ERR_ARG;
 
     transport->events = 0;
+    transport->command_count = 0;
     /* Messages before the end are handed out first: the next poll meets the end again. */
     const int taken = poll_network(transport, timeout_ms);
     if (transport->network.log)
@@ -427,4 +442,13 @@ vdna_status vdna_transport_poll(vdna_transport *transport, int32_t timeout_ms, u
     hand_out(transport, out_frame);
     *out_events = transport->events;
     return VDNA_OK;
+}
+
+/* see vdna/transport.h */
+const vdna_transport_command *vdna_transport_commands(const vdna_transport *transport,
+                                                      uint32_t *out_count)
+{
+    if (transport && out_count)
+        *out_count = transport->command_count;
+    return transport ? transport->commands : NULL;
 }

@@ -360,16 +360,27 @@ uint32_t vdna_trust_settled_frames(const vdna_trust *trust)
 
 /* ---- Predictions ---- */
 
-/* How much farther the live run is from its nearest candidate than the loneliest stored run. */
+static const double *likeness_means(const vdna_trust *trust)
+{
+    return trust->fit.by_likeness ? trust->mean_likeness : trust->mean;
+}
+
+/* How much farther the live run is from a candidate than the loneliest stored run from its
+ * nearest. */
+static double unlike_in(const vdna_trust *trust, uint32_t candidate)
+{
+    return trust->frames == 0 ? (double)NAN
+                              : vdna_ln(likeness_means(trust)[candidate]) - trust->fit.far;
+}
+
+/* The same of its nearest candidate. */
 static double unlike_of(const vdna_trust *trust)
 {
-    if (trust->frames == 0)
-        return NAN;
-    const double *means = trust->fit.by_likeness ? trust->mean_likeness : trust->mean;
-    double least = means[0];
+    const double *means = likeness_means(trust);
+    uint32_t nearest = 0;
     for (uint32_t b = 1; b < trust->model.runs; b++)
-        least = means[b] < least ? means[b] : least;
-    return vdna_ln(least) - trust->fit.far;
+        nearest = means[b] < means[nearest] ? b : nearest;
+    return unlike_in(trust, nearest);
 }
 
 /* Whether that is too far: never of few frames, nor if it is not known. */
@@ -483,6 +494,21 @@ vdna_status vdna_trust_predict(vdna_trust *trust, const double *distance_bins,
     if (is_predicted && write_recall(trust, transfer, out_predictions) < trust->min_recall)
         answer.verdict = VDNA_TRUST_POOR;
     *out_answer = answer;
+    return VDNA_OK;
+}
+
+/* see vdna/trust.h */
+vdna_status vdna_trust_judge(const vdna_trust *trust, uint32_t candidate,
+                             const vdna_trust_prediction *predictions, vdna_trust_answer *answer)
+{
+    if (!trust || candidate >= trust->model.runs || !predictions || !answer)
+        return VDNA_ERR_ARG;
+    answer->verdict = VDNA_TRUST_FITS;
+    answer->unlike = unlike_in(trust, candidate);
+    if (is_unlike(trust, answer->unlike))
+        answer->verdict = VDNA_TRUST_UNLIKE;
+    else if (predictions[candidate].recall < trust->min_recall)
+        answer->verdict = VDNA_TRUST_POOR;
     return VDNA_OK;
 }
 

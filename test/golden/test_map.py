@@ -146,6 +146,14 @@ class Experience(unittest.TestCase):
         self.assert_ours_reads(tensors, dict(SAMPLE_METADATA, position_frame=""))
         self.assertEqual(self.read_with_ours()["frame_place"], "")
 
+    def test_thumbnails_that_the_recipe_writes_open_with_ours(self):
+        pictures = {
+            "thumbnails": np.frombuffer(b"onethree", np.uint8),
+            "frame_thumbnail_end": np.array([3, 8], np.uint32),
+        }
+        RECIPE["write_experience"](self.path, {**SAMPLE, **pictures}, dict(SAMPLE_METADATA, source="a.mp4"))
+        self.assert_ours_reads(SAMPLE, SAMPLE_METADATA)
+
     def test_a_large_random_experience_opens_with_ours(self):
         random = np.random.default_rng(1)
         frames, samples, neurons, bins, dim = 7, 9, 1300, 50, 33

@@ -5,6 +5,7 @@
 #include <bot_core_gps_data_t.h>
 #include <bot_core_image_t.h>
 #include <bot_core_pose_t.h>
+#include <vdna_msg_command_result_t.h>
 #include <vdna_msg_command_t.h>
 #include <vdna_msg_localisation_t.h>
 #include <vdna_msg_ranking_t.h>
@@ -68,6 +69,8 @@ static const vdna_msg_localisation_t sample_localisation = {
     .skipped = 3,
 };
 
+static char *sample_excluded[] = {"autumn"};
+
 static const vdna_msg_status_t sample_status = {
     .utime = 1700000000000004,
     .state = VDNA_MSG_STATUS_T_VALID,
@@ -89,6 +92,10 @@ static const vdna_msg_status_t sample_status = {
     .left_out = 1,
     .map_hash = "0123456789abcdef",
     .map_changed = 1,
+    .pinned = "snow",
+    .shadow = 1,
+    .excluded_count = 1,
+    .excluded = sample_excluded,
     .backbone = "lite0",
     .version = "0.1.0",
     .received = 100,
@@ -131,6 +138,14 @@ static const vdna_msg_command_t sample_command = {
     .utime = 1700000000000005,
     .command = VDNA_MSG_COMMAND_T_RESET,
     .argument = "",
+};
+
+static const vdna_msg_command_result_t sample_command_result = {
+    .utime = 1700000000000005,
+    .command = VDNA_MSG_COMMAND_T_PIN,
+    .accepted = 1,
+    .text = "snow is pinned",
+    .map_hash = "0123456789abcdef",
 };
 
 static uint8_t sample_value[] = {1, 2, 3};

@@ -90,6 +90,19 @@ static inline vdna_experience projected_experience(void)
     return projected;
 }
 
+/* The sample with thumbnails, of three and five bytes, and a source. */
+static inline vdna_experience pictured_experience(void)
+{
+    static const uint8_t thumbnails[8] = "onethree";
+    static const uint32_t end[2] = {3, 8};
+    vdna_experience pictured = sample_experience();
+    pictured.thumbnails = thumbnails;
+    pictured.thumbnail_end = end;
+    pictured.thumbnail_bytes = 8;
+    strcpy(pictured.source, "winter \"drive\".mp4");
+    return pictured;
+}
+
 /* Where a test's files are; made by make_directory(), removed with all in it by
  * remove_directory(). */
 typedef struct directory {

@@ -290,10 +290,10 @@ def grey_message(utime, pixels):
 
 
 class Frames:
-    """Sends ten pictures a second, which `picture` gives by number, until the block ends."""
+    """Sends pictures, ten a second or `rate`, which `picture` gives by number, until the block ends."""
 
-    def __init__(self, picture):
-        self._picture, self._stop = picture, threading.Event()
+    def __init__(self, picture, rate=10):
+        self._picture, self._stop, self._rate = picture, threading.Event(), rate
         self._thread = threading.Thread(target=self._run, daemon=True)
         self.sent = 0
 
@@ -307,8 +307,8 @@ class Frames:
 
     def _run(self):
         with Camera() as camera:
-            while not self._stop.wait(0.1):
-                camera.send(grey_message(self.sent * 100000, self._picture(self.sent)))
+            while not self._stop.wait(1 / self._rate):
+                camera.send(grey_message(self.sent * 1000000 // self._rate, self._picture(self.sent)))
                 self.sent += 1
 
 
@@ -350,6 +350,12 @@ def joins_multicast(pid):
     except FileNotFoundError:
         return False
     return any(f"socket:[{inode}]" in files for inode in sockets)
+
+
+def command_message(utime, command, argument=b""):
+    """A vdna_msg.command_t."""
+    fingerprint = 0xD703A8025AC63713
+    return struct.pack(">QqiI", fingerprint, utime, command, len(argument) + 1) + argument + b"\0"
 
 
 def localisation_message(utime):

@@ -43,7 +43,7 @@ MODELS = VDNA.parents[1] / "share/vdna/models"
 class Experience:
     """An experience file, parsed by the safetensors layout alone."""
 
-    FORMATS = {"U32": "I", "F32": "f", "F64": "d", "I64": "q", "I8": "b"}
+    FORMATS = {"U32": "I", "F32": "f", "F64": "d", "I64": "q", "I8": "b", "U8": "B"}
 
     def __init__(self, path):
         data = Path(path).read_bytes()
@@ -517,7 +517,62 @@ class Info(Scratch):
         self.assertAlmostEqual(told["mean_grey"], sum(file.tensors["frame_grey"]) / 3, places=4)
         for key in ("backbone", "model_sha256", "preprocessing", "taps"):
             self.assertEqual(told[key], file.metadata[key])
-        self.assertIn("frames: 3", self.vdna("info", "map"))
+        self.assertIn("frames: 3", self.vdna("info", "map/a.vdna"))
+        self.assertIn("frames: 3", self.vdna("info", "--long", "map"))
+
+    def test_a_map_is_a_table_with_a_line_for_each_experience(self):
+        stamped = "file,utime,x,y\n" + "".join(f"{i:03}.ppm,{1714557600000000 + 60000000 * i},{3 * i},4\n" for i in range(3))
+        self.pictures("a", range(3), stamped)
+        self.pictures("b", range(2), "file,place\n000.ppm,1\n001.ppm,1\n")
+        self.vdna("build", "map", "a")
+        self.vdna("build", "map", "--no-thumbnails", "b")
+        head, a, b, whole, trust = self.vdna("info", "map").splitlines()
+        self.assertEqual(head.split()[0], "experience")
+        self.assertRegex(a, r"^a +3 +2024-05-01 10:00:00 to 10:02:00 +6 m +all +[0-9.]+ MiB +a$")
+        self.assertRegex(b, r"^b +2 +0.1 s, no date +1 places +none +[0-9.]+ MiB +b$")
+        self.assertRegex(whole, "^map: .* neurons x .* bins")
+        self.assertTrue(trust.startswith("map: "))
+        told = self.vdna_json("info", "map")["experiences"]
+        self.assertEqual([e["thumbnails"] for e in told], [3, 0])
+        self.assertEqual([e["source"] for e in told], ["a", "b"])
+        self.assertEqual([e["route_m"] for e in told], [6, None])
+        self.assertEqual([e["dates"] for e in told],
+                         [["2024-05-01T10:00:00.000Z", "2024-05-01T10:02:00.000Z"], None])
+        self.assertEqual(told[1]["thumbnail_bytes"], 0)
+
+    def test_thumbnails_change_nothing_that_compares_and_sources_hide_their_folders(self):
+        self.pictures("a", range(3))
+        self.vdna("build", "with", str(self.folder / "a"))
+        self.vdna("build", "without", "a", "--no-thumbnails")
+        pictured, plain = Experience(self.folder / "with/a.vdna"), Experience(self.folder / "without/a.vdna")
+        self.assertEqual(pictured.metadata, plain.metadata)
+        self.assertEqual(pictured.metadata["source"], "a")
+        extra = {"thumbnails", "frame_thumbnail_end"}
+        self.assertEqual(set(pictured.tensors) - set(plain.tensors), extra)
+        for name in set(plain.tensors) - {"crc32c"}:
+            self.assertEqual(list(pictured.tensors[name]), list(plain.tensors[name]), name)
+
+
+class Show(Scratch):
+    def test_it_writes_the_thumbnail_of_a_frame(self):
+        self.pictures("a", range(3))
+        self.vdna("build", "map", "a")
+        self.assertIn("a-2.png", self.vdna("show", "map", "a", 2))
+        self.assertEqual((self.folder / "a-2.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        self.vdna("show", "map/a.vdna", "a", 0, "-o", "x.png")
+        self.assertNotEqual((self.folder / "x.png").read_bytes(), (self.folder / "a-2.png").read_bytes())
+
+    def test_it_says_what_is_not_there_and_what_to_do(self):
+        self.pictures("a", range(3))
+        self.pictures("b", range(2))
+        self.vdna("build", "map", "a")
+        self.vdna("build", "map", "b", "--no-thumbnails")
+        self.assertIn("expected one of: a, b", self.refused("show", "map", "c", 0))
+        self.assertIn("expected 0 to 2", self.refused("show", "map", "a", 3))
+        self.assertIn("without --no-thumbnails", self.refused("show", "map", "b", 0))
+        self.assertEqual(self.run_vdna("show", "map", "a", -1).returncode, 2)
+        self.assertEqual(self.run_vdna("show", "map", "a", 0, "--open", "-o", "-").returncode, 2)
+        self.assertEqual([path.name for path in self.folder.glob("*.png")], [])
 
     def test_experiences_that_do_not_compare_are_reported(self):
         self.pictures("a", range(2))

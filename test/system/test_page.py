@@ -70,7 +70,7 @@ def text_of(identity):
 
 class Page(unittest.TestCase):
     def setUp(self):
-        self.serve = self.enterContext(Serve())
+        self.serve = self.enterContext(Serve("--map", MAP))
         self.browser = self.enterContext(Browser())
         self.browser.call("Page.addScriptToEvaluateOnNewDocument", source=WATCH_SHIFTS)
         self.browser.resize(WIDTHS[0])
@@ -110,6 +110,7 @@ class Page(unittest.TestCase):
                 self.browser.wait_for(text_of("sentence") + ".startsWith('Localising in winter, because')")
                 self.browser.wait_for(text_of("match-facts") + ".includes('winter, frame')")
                 self.browser.wait_for("live.naturalWidth > 0 && !live.hidden")
+                self.browser.wait_for("match.naturalWidth === 160 && !match.hidden")
                 rows = self.browser.value("[...ranking.rows].map(row => row.innerText)")
                 self.assertIn("winter", rows[0])
                 self.assertEqual(len(rows), 3)
@@ -145,7 +146,7 @@ class Page(unittest.TestCase):
     def test_is_used_by_keyboard(self):
         self.open()
         reached = []
-        for _ in range(4):
+        for _ in range(6):
             self.browser.press("Tab", 9)
             reached.append(self.browser.value("document.activeElement.innerText.split('\\n')[0] || document.activeElement.id"))
             self.assertEqual(self.browser.value("getComputedStyle(document.activeElement).outlineStyle"), "solid")
@@ -154,6 +155,30 @@ class Page(unittest.TestCase):
         self.browser.value("document.querySelector('#commands button').focus()")
         self.browser.press("Enter", 13)
         self.browser.wait_for(text_of("sent") + " === 'reset sent'")
+
+    def test_pins_and_excludes_by_keyboard(self):
+        self.open()
+        with Selectord(*OPTIONS), Play(LIVE, 8):
+            self.browser.wait_for("ranking.rows.length === 3")
+            button = "[...document.querySelectorAll('button')].find(b => b.dataset.key === '{}')".format
+            for key, state in (("pin summer", "state.status.pinned === 'summer'"),
+                               ("exclude night", "state.status.excluded.includes('night')"),
+                               ("shadow", "state.status.shadow")):
+                self.browser.value(button(key) + ".focus()")
+                self.browser.press("Enter", 13)
+                self.browser.wait_for(state)
+                self.browser.wait_for(button(key) + ".getAttribute('aria-pressed') === 'true'")
+                self.assertEqual(self.browser.value("document.activeElement.dataset.key"), key)
+            rows = " ".join(self.browser.value("[...ranking.rows].map(row => row.innerText)"))
+            self.assertIn("summer pinned ✓", rows)
+            self.assertIn("night excluded", rows)
+            self.assertIn("In shadow", self.browser.value(text_of("margin")))
+            for width in WIDTHS:
+                self.browser.resize(width)
+                self.expect_readable(f"{width}-commanded")
+            for key in ("pin summer", "exclude night", "shadow"):
+                self.browser.value(button(key) + ".click()")
+            self.browser.wait_for("!state.status.pinned && !state.status.excluded.length && !state.status.shadow")
 
     def test_commands_only_with_the_token(self):
         self.open(self.serve.origin + "/")
@@ -185,6 +210,7 @@ class Page(unittest.TestCase):
         self.shoot("1280-gone")
         with Serve(port=port):
             self.browser.wait_for(text_of("state") + " === 'WAITING'")
+            self.browser.wait_for(text_of("no-match") + ".includes('--map DIR')")
             self.assertEqual(self.browser.value(text_of("link")), "live")
 
 

@@ -3,13 +3,15 @@
 Environment: VDNA_BIN (folder of the programs).
 """
 import os
+import shutil
 import signal
+import subprocess
 import time
 import unittest
 
 import own_network
-from selectord import (Camera, Listener, Selectord, grey_message, localisation_message, memory_of,
-                       vdna)
+from selectord import (BIN, PATIENCE, Camera, Listener, Selectord, grey_message, localisation_message,
+                       memory_of, vdna)
 from served import Play, Serve, Viewer, make_drives
 
 WORK = os.path.abspath("serve")
@@ -17,6 +19,12 @@ MAP = os.path.join(WORK, "map")
 LIVE = os.path.join(WORK, "live")
 RESIDENT_MAX = 32 << 20  # bytes
 CPU_MAX = 0.05  # of a core, with ten viewers; an idle machine needs a fifth of it
+
+
+def vdna_bytes(*arguments):
+    """Standard output of vdna, which is no text."""
+    return subprocess.run([os.path.join(BIN, "vdna"), *map(str, arguments)], check=True, stdout=subprocess.PIPE,
+                          timeout=PATIENCE).stdout
 
 
 def cpu_seconds(pid):
@@ -78,6 +86,34 @@ class TheServer(unittest.TestCase):
         with Serve() as other:
             self.assertNotEqual(other.token, serve.token)
 
+    def test_shows_thumbnails_of_its_map_only_and_of_the_newest_one(self):
+        path = os.path.join(WORK, "changing")
+        shutil.rmtree(path, ignore_errors=True)
+        os.mkdir(path)
+        for name in ("winter", "summer"):
+            shutil.copy(os.path.join(MAP, name + ".vdna"), path)
+        winter = vdna_bytes("show", path, "winter", 7, "-o", "-")
+        with Serve("--map", path) as serve:
+            self.assertTrue(Viewer(serve).wait_for("map")["shown"])
+            status, jpeg = serve.request("GET", "/map/winter/7.jpg")
+            self.assertEqual((status, jpeg[:3]), (200, b"\xff\xd8\xff"))
+            self.assertLessEqual(len(jpeg), 4096)
+            self.assertNotEqual(jpeg, serve.request("GET", "/map/summer/7.jpg")[1])
+            self.assertEqual(winter[:4], b"\x89PNG")
+            for wrong in ("winter/40.jpg", "winter/4294967296.jpg", "winter/-1.jpg", "winter/7.png", "night/7.jpg",
+                          "winter.vdna/7.jpg", "../winter/7.jpg", "%2e%2e/winter/7.jpg", "winter/7.jpg/..", ""):
+                self.assertEqual(serve.request("GET", "/map/" + wrong)[0], 404, wrong)
+            shutil.copy(os.path.join(MAP, "night.vdna"), os.path.join(path, ".night"))
+            os.rename(os.path.join(path, ".night"), os.path.join(path, "night.vdna"))
+            deadline = time.monotonic() + PATIENCE
+            while serve.request("GET", "/map/night/7.jpg")[0] != 200:
+                self.assertLess(time.monotonic(), deadline)
+                time.sleep(0.1)
+        with Serve() as serve:
+            self.assertFalse(Viewer(serve).wait_for("map")["shown"])
+            self.assertEqual(serve.request("GET", "/map/winter/7.jpg")[0], 404)
+        self.assertEqual(vdna("serve", "--port", 0, "--map", WORK, check=False).returncode, 1)
+
     def test_refuses_a_port_in_use_and_a_log(self):
         with Serve() as serve:
             second = vdna("serve", "--port", serve.port, check=False)
@@ -105,6 +141,20 @@ class ADaemon(unittest.TestCase):
             with Selectord("--map", MAP, "--warmup-frames", 12):
                 viewer.wait_for("ranking", lambda ranking: ranking is None)  # its predecessor's
                 viewer.wait_for("headline", lambda line: line["text"].startswith("Warming up"))
+
+    def test_takes_commands_about_the_choice_and_tells_what_became_of_them(self):
+        with Serve() as serve, Selectord("--map", MAP, "--warmup-frames", 12), Play(LIVE, 10):
+            viewer = Viewer(serve)
+            viewer.wait_for("ranking")
+            self.assertEqual(serve.press("pin night"), 204)
+            self.assertTrue(viewer.wait_for("result")["accepted"])
+            viewer.wait_for("status", lambda status: status["pinned"] == "night")
+            viewer.wait_for("headline", lambda line: "night" in line["text"])
+            self.assertEqual(serve.press("exclude night"), 204)
+            refused = viewer.wait_for("result", lambda result: not result["accepted"])
+            self.assertIn("unpin it first", refused["text"])
+            self.assertEqual(serve.press("pin "), 204)
+            viewer.wait_for("status", lambda status: status["pinned"] == "")
 
     def test_shows_the_one_that_answers_of_two(self):
         with Serve() as serve, Selectord("--map", MAP) as first:

@@ -78,8 +78,21 @@ function position_of(answer) {
     (digits === 6 ? "" : ` m in ${answer.position_frame}`);
 }
 
+// The matched frame of the map, if the server has the map; the newest one once the last has come.
+function show_match_picture(answer) {
+  const image = at("match"), url = answer?.experience ? `map/${answer.experience}/${answer.frame}.jpg` : "";
+  if (!state.map?.shown || !url) {
+    image.hidden = true;
+    text(at("no-match"), state.map && !state.map.shown ? "To see it, start vdna serve with --map DIR" : "No match yet");
+  } else if (image.dataset.url !== url && image.dataset.loading !== "yes") {
+    image.dataset.loading = "yes";
+    image.src = image.dataset.url = url;
+  }
+}
+
 function show_match() {
   const answer = state.localisation;
+  show_match_picture(answer);
   text(at("match-facts"), !answer ? "No answer yet"
     : answer.experience === null ? `${answer.validity.toLowerCase().replace("_", " ")}` +
       (answer.reason ? `: ${answer.reason}` : "")
@@ -99,7 +112,30 @@ function bar(share, low, high) {
   return track;
 }
 
-function candidate(entry, farthest, chosen) {
+// A button that sends a command; `pressed` is the state of what it switches.
+function command_button(label, does, command, pressed) {
+  const button = make("button", "", label);
+  button.title = does;
+  button.disabled = !token;
+  button.dataset.key = command;
+  if (pressed !== undefined)
+    button.setAttribute("aria-pressed", `${pressed}`);
+  button.onclick = () => send(command);
+  return button;
+}
+
+function candidate_buttons(name, {pinned, excluded = []}) {
+  const is_pinned = pinned === name, is_excluded = excluded.includes(name);
+  const pin = command_button("pin", is_pinned ? `Unpin ${name}` : `Localise in ${name}, whatever the ranking says`,
+                             is_pinned ? "pin" : `pin ${name}`, is_pinned);
+  const exclude = command_button("exclude", is_excluded ? `Include ${name} again` : `Never choose ${name}`,
+                                 `${is_excluded ? "include" : "exclude"} ${name}`, is_excluded);
+  pin.dataset.key = `pin ${name}`;
+  exclude.dataset.key = `exclude ${name}`;
+  return make("td", "actions", pin, exclude);
+}
+
+function candidate(entry, farthest, chosen, status) {
   const name = make("th", "", make("span", "swatch"), entry.experience);
   name.scope = "row";
   const distance = make("td", "", fixed(entry.distance_bins, 2) + (entry.tied ? " tied" : ""),
@@ -109,7 +145,12 @@ function candidate(entry, farthest, chosen) {
   const recalled = make("td", "", percent(recall) + interval);
   if (is_number(recall))
     recalled.append(bar(recall, low, high));
-  const row = make("tr", ink(entry.experience), name, distance, recalled);
+  const row = make("tr", ink(entry.experience), name, distance, recalled,
+                   candidate_buttons(entry.experience, status ?? {}));
+  if (status?.pinned === entry.experience)
+    name.append(" pinned");
+  if (status?.excluded?.includes(entry.experience))
+    name.append(" excluded");
   if (entry.experience === chosen) {
     row.setAttribute("aria-current", "true");
     name.append(" ✓");
@@ -117,13 +158,21 @@ function candidate(entry, farthest, chosen) {
   return row;
 }
 
+let shown_ranking = "";
 const rules = {emd: "distance", transfer: "predicted recall", relative: "predicted recall"};
 function show_ranking() {
   const {ranking, status} = state;
   const entries = ranking?.ranking ?? [];
+  const {experience, state: is, pinned, excluded, shadow} = status ?? {};
+  const showing = JSON.stringify([ranking, experience, is, pinned, excluded, shadow]);
+  if (showing === shown_ranking) // a button that is being pressed stays
+    return;
+  shown_ranking = showing;
+  const focused = document.activeElement?.dataset?.key;
   const farthest = Math.max(...entries.map(entry => entry.distance_bins), 1e-9);
   at("ranking").replaceChildren(
-    ...entries.map(entry => candidate(entry, farthest, status?.experience || entries[0].experience)));
+    ...entries.map(entry => candidate(entry, farthest, status?.experience || entries[0].experience, status)));
+  [...at("ranking").querySelectorAll("button")].find(button => button.dataset.key === focused)?.focus();
   if (!ranking)
     return text(at("margin"), "No ranking heard yet; the daemon sends one after each warmup.");
   const notes = [`Margin ${fixed(ranking.margin_bins, 2)} bins, after ${ranking.window_frames} frames`,
@@ -134,7 +183,8 @@ function show_ranking() {
   at("candidates").classList.toggle("unpredicted", !predicted);
   text(at("margin"), notes.join(", ") + "; shorter is more alike." +
     (predicted ? "" : ` Recall is not predicted${ranking.no_prediction ? ": " + ranking.no_prediction : ""}.`) +
-    (status?.state === "WARMUP" ? " From the last warmup." : ""));
+    (status?.state === "WARMUP" ? " From the last warmup." : "") +
+    (shadow ? " In shadow: recommended only, the choice stays." : ""));
 }
 
 // --- the strip: x is seconds since its left end
@@ -266,25 +316,39 @@ async function send(name) {
   text(at("sent"), answer.ok ? `${name} sent` : `${name}: ${(await answer.text()).trim()}`);
 }
 
+// Those for one experience are beside it.
 function show_commands() {
+  const {shadow} = state.status ?? {};
+  const button = at("commands").querySelector("[aria-pressed]");
+  if (button)
+    button.setAttribute("aria-pressed", `${shadow === true}`);
   if (at("commands").childElementCount > 0)
     return;
-  for (const {name, does} of state.commands ?? []) {
-    const button = make("button", "", name);
-    button.title = does;
-    button.disabled = !token;
-    button.addEventListener("click", () => send(name));
-    at("commands").append(button);
-  }
+  for (const {name, does, argument} of state.commands ?? [])
+    if (argument === "none")
+      at("commands").append(command_button(name, does, name));
+    else if (argument === "on or off") {
+      const toggle = command_button(name, does, name, shadow === true);
+      toggle.onclick = () => send(`${name} ${toggle.ariaPressed === "true" ? "off" : "on"}`);
+      at("commands").append(toggle);
+    }
   if (!token)
     text(at("sent"), "To use it, open the address that vdna serve printed, token included.");
+}
+
+// What the daemon made of the newest command, whoever sent it.
+function show_result() {
+  const {command, accepted, text: sentence} = state.result ?? {};
+  if (token && command)
+    text(at("sent"), `${command}${accepted ? "" : " refused"}: ${sentence}`);
 }
 
 // --- events in, one drawing for all that came since the last one
 
 const parts = [[show_headline, "headline", "status", "pulse"], [show_live, "picture", "pulse"],
-               [show_match, "localisation"], [show_ranking, "ranking", "status"], [show_strip, "point"],
-               [show_health, "status", "problems", "pulse", "picture"], [show_commands, "commands"],
+               [show_match, "localisation", "map"], [show_ranking, "ranking", "status"], [show_strip, "point"],
+               [show_health, "status", "problems", "pulse", "picture"], [show_commands, "commands", "status"],
+               [show_result, "result"],
                [show_raw, "status", "localisation", "ranking"]];
 const fresh = new Set(); // kinds of events since the last drawing
 let heard_ms = 0, source = null;
@@ -317,7 +381,7 @@ function connect() {
   source?.close();
   source = new EventSource("events");
   source.addEventListener("open", () => state.points = []); // the server sends all it has
-  for (const kind of ["commands", "headline", "localisation", "picture", "point", "problems", "pulse", "ranking",
+  for (const kind of ["result", "commands", "headline", "localisation", "map", "picture", "point", "problems", "pulse", "ranking",
                       "status"])
     source.addEventListener(kind, event => take(kind, JSON.parse(event.data)));
 }
@@ -336,5 +400,11 @@ setInterval(() => {
 
 at("live").addEventListener("load", () => { at("live").hidden = false; at("live").dataset.loading = ""; });
 at("live").addEventListener("error", () => { at("live").hidden = true; at("live").dataset.loading = ""; });
+at("match").addEventListener("load", () => { at("match").hidden = false; at("match").dataset.loading = ""; show_match(); });
+at("match").addEventListener("error", () => {
+  at("match").hidden = true;
+  at("match").dataset.loading = "";
+  text(at("no-match"), "No thumbnail of this frame");
+});
 at("raw").addEventListener("toggle", show_raw);
 connect();

@@ -21,6 +21,8 @@ extern "C" {
 #define VDNA_FRAME_WGS84 "wgs84"   /**< position frame: Earth-centred metres made from GPS */
 #define VDNA_FRAME_LOCAL "local"   /**< position frame: metres of a map of one's own, unnamed */
 #define VDNA_ORDER_SIZE 32u        /**< bytes of `order` in vdna_experience, its NUL included */
+#define VDNA_SOURCE_SIZE 128u      /**< bytes of `source` there, its NUL included */
+#define VDNA_THUMBNAIL_MAX 4096u   /**< most bytes of a frame's thumbnail */
 #define VDNA_EMBEDDING_MAX                                                 \
     1e15f /**< greatest magnitude of a number of an embedding: the squared \
                distance of two frames is then far within a float */
@@ -45,8 +47,10 @@ typedef struct vdna_experience {
     const double *frame_position; /**< [frames][3], metres in `position_frame`, three NaNs = this
                                        frame has no position; NULL = no positions */
     const float *frame_grey;      /**< [frames], mean grey level 0..255 */
-    const void *file_bytes;       /**< [file_size], the whole file, mapped or copied, read-only;
-                                       NULL = not from a file. Closing unmaps it */
+    const void *file_bytes;       /**< [file_size], the file, mapped or copied, read-only: the whole
+                                       of it, or what is left without thumbnails
+                                       (`no_thumbnails` of vdna_map_config); NULL = not from a
+                                       file. Closing unmaps it */
     size_t file_size;             /**< bytes; 0 = not from a file */
     char position_frame[VDNA_NAME_SIZE]; /**< the Cartesian frame of the positions, which only
                                               compare within it: VDNA_FRAME_WGS84, or the name of a
@@ -72,6 +76,16 @@ typedef struct vdna_experience {
                                         of the experience; NULL = the file has floats */
     const float *embedding_scale;  /**< [frames], of the codes: from 0 to VDNA_EMBEDDING_MAX / 127;
                                         NULL = no codes */
+    const uint8_t *thumbnails;     /**< [thumbnail_bytes], small JPEG pictures of the frames, one
+                                        after the other, for people: vdna_experience_thumbnail()
+                                        finds one. Nothing here decodes them. NULL = none */
+    const uint32_t *thumbnail_end; /**< [frames], where each frame's thumbnail ends in
+                                        `thumbnails`; it begins where the one before it ends, and
+                                        has 0 (there is none) to VDNA_THUMBNAIL_MAX bytes; NULL =
+                                        none */
+    uint32_t thumbnail_bytes;      /**< of all, the last end; 0 = none */
+    char source[VDNA_SOURCE_SIZE]; /**< what it was made from, for people: printable ASCII;
+                                        "" = not known */
 } vdna_experience;
 
 /** Open an experience file: map it, check every byte of it, point into it.
@@ -116,6 +130,15 @@ VDNA_API vdna_status vdna_experience_compare(const vdna_experience *a, const vdn
  *  @param experience  borrowed: the view ends when it is closed
  *  @param out_view  untouched if an argument is NULL */
 VDNA_API void vdna_experience_view(const vdna_experience *experience, vdna_hist_view *out_view);
+
+/** Look at the thumbnail of a frame.
+ *  @param experience  borrowed: the bytes end when it is closed
+ *  @param frame  0 to experience->frames - 1
+ *  @param out_jpeg  a JPEG file, which nobody has decoded: its content may be anything
+ *  @param out_size  bytes, at least 1 and at most VDNA_THUMBNAIL_MAX
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_EMPTY if the frame has none */
+VDNA_API vdna_status vdna_experience_thumbnail(const vdna_experience *experience, uint32_t frame,
+                                               const uint8_t **out_jpeg, size_t *out_size);
 
 /** Count the experience files of a directory: names ending in VDNA_MAP_EXTENSION, hidden ones (a
  *  leading '.') left out. An update of the map counts as a whole or not at all.
@@ -167,6 +190,10 @@ typedef struct vdna_map_config {
     uint32_t copy;        /**< 0 = map the files, as vdna_experience_open() does (default); 1 = copy
                                them into memory of the process, which the system cannot take back:
                                whatever happens to a file then, the experience stays as it was */
+    uint32_t no_thumbnails; /**< 0 = with thumbnails (default); 1 = without: they are checked with
+                                 the rest of their file, and then given back, so that no memory
+                                 holds them. Opening holds one file with them at a time */
+    uint32_t reserved;      /**< 0 */
     /** Leave out files that are damaged or cannot be read, and report each one here; NULL = refuse
      *  a map with such a file (default). Called by vdna_map_open_as() before it succeeds.
      *  @param context  `context`

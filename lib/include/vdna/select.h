@@ -36,6 +36,12 @@
  *    switch brings the new choice to the front of the ranking, and is localised in with the very
  *    same frame.
  *
+ *  Commands of an operator, which take effect at once and outlast resets: vdna_select_pin(),
+ *  vdna_select_exclude(), vdna_select_shadow(). The ranking always says what the selector itself
+ *  would choose; what it localises in, the choice, is the first of it unless one is pinned or kept
+ *  by shadow. That one is localised in alone, whatever `top` is, and from the next frame on, also
+ *  in WARMUP; the verdict is on it.
+ *
  *  A frame costs a search among all frames of all candidates in WARMUP and NONE_FITS, if there is
  *  trust, and a step of every localiser with `reselect` and in NONE_FITS. Without trust all is as
  *  in the definition.
@@ -68,7 +74,7 @@ extern "C" {
 
 /** State of a selector. */
 enum {
-    VDNA_SELECT_WARMUP = 0,   /**< collecting the live Visual DNA; there is no choice yet */
+    VDNA_SELECT_WARMUP = 0,   /**< collecting the live Visual DNA; there is no ranking yet */
     VDNA_SELECT_SELECTED = 1, /**< an experience is chosen; frames are localised in it */
     VDNA_SELECT_NONE_FITS = 2 /**< as SELECTED, but no experience fits: vdna_select_trust() says
                                    why. Another choice follows */
@@ -82,6 +88,9 @@ enum {
     VDNA_SELECT_BY_RELATIVE = 2  /**< `score` of the predictions, the highest first; the nearer of
                                       equals */
 };
+
+/** No candidate: nothing is pinned. */
+#define VDNA_SELECT_NONE UINT32_MAX
 
 /** Why a warmup began anew. */
 enum {
@@ -221,7 +230,7 @@ VDNA_API vdna_status vdna_select_feed(vdna_select *select, const vdna_select_fra
                                       vdna_select_answer *out_answer);
 
 /** Forget the choice and the window, also of trust and of the localisers, and warm up again.
- *  Counters stay.
+ *  Counters stay, and what is pinned, excluded, or kept by shadow.
  *  @param select  NULL is allowed */
 VDNA_API void vdna_select_reset(vdna_select *select);
 
@@ -236,9 +245,58 @@ VDNA_API uint32_t vdna_select_state(const vdna_select *select);
  *          a frame has begun it */
 VDNA_API double vdna_select_progress(const vdna_select *select);
 
+/** Pin a candidate: localise in it from the next frame on, whatever the ranking says. If another
+ *  was pinned or kept by shadow in state WARMUP, the warmup begins anew.
+ *  @param select     from vdna_select_init()
+ *  @param candidate  not excluded; VDNA_SELECT_NONE = none any more: in shadow it stays the choice,
+ *                    otherwise that is the first of the ranking at once
+ *  @return VDNA_OK; VDNA_ERR_ARG */
+VDNA_API vdna_status vdna_select_pin(vdna_select *select, uint32_t candidate);
+
+/** Get what is pinned.
+ *  @param select  NULL gives VDNA_SELECT_NONE
+ *  @return candidate index, or VDNA_SELECT_NONE */
+VDNA_API uint32_t vdna_select_pinned(const vdna_select *select);
+
+/** Exclude a candidate, or include it again. What is excluded stands at the end of the ranking and
+ *  is never the first; if it was the choice, the first of the rest is at once. What is included may
+ *  be chosen the next time that a choice is made. A warmup under way begins anew.
+ *  @param select     from vdna_select_init()
+ *  @param candidate  its index
+ *  @param on         1 = exclude: refused if it is pinned, or the last that may be chosen; 0 =
+ *                    include
+ *  @return VDNA_OK; VDNA_ERR_ARG */
+VDNA_API vdna_status vdna_select_exclude(vdna_select *select, uint32_t candidate, uint32_t on);
+
+/** Tell whether a candidate is excluded.
+ *  @param select     NULL gives 0
+ *  @param candidate  any number
+ *  @return 1 if so; else 0 */
+VDNA_API uint32_t vdna_select_is_excluded(const vdna_select *select, uint32_t candidate);
+
+/** Only recommend, or act again. In shadow the choice stays what it is, or the first one that is
+ *  made; rankings and switches say what the selector would do. Without, the first of the ranking
+ *  becomes the choice at once, unless another is pinned; in state WARMUP the warmup begins anew if
+ * a choice was kept.
+ *  @param select  from vdna_select_init()
+ *  @param on      1 = recommend; 0 = act
+ *  @return VDNA_OK; VDNA_ERR_ARG */
+VDNA_API vdna_status vdna_select_shadow(vdna_select *select, uint32_t on);
+
+/** Tell whether the selector only recommends.
+ *  @param select  NULL gives 0
+ *  @return 1 if so; else 0 */
+VDNA_API uint32_t vdna_select_in_shadow(const vdna_select *select);
+
+/** Tell whether there is a choice, in which frames are localised.
+ *  @param select  NULL gives 0
+ *  @return 1 if so; 0 in state WARMUP, unless one is pinned or kept by shadow */
+VDNA_API uint32_t vdna_select_has_choice(const vdna_select *select);
+
 /** Get the choice.
  *  @param select  NULL gives 0
- *  @return candidate index, the first of the ranking; 0 in state WARMUP */
+ *  @return candidate index: what is pinned or kept by shadow, or the first of the ranking; 0 if
+ *          there is no choice */
 VDNA_API uint32_t vdna_select_chosen(const vdna_select *select);
 
 /** Get the margin: the second candidate's distance minus the first's, in the order of the choice.
@@ -250,7 +308,7 @@ VDNA_API double vdna_select_margin_bins(const vdna_select *select);
 /** Tell where the robot is, by the newest frame.
  *  @param select  NULL gives NULL
  *  @return borrowed until the next call that changes the selector; NULL without localisers, and
- *          in state WARMUP */
+ *          before the first frame that is localised */
 VDNA_API const vdna_select_position *vdna_select_where(const vdna_select *select);
 
 /** Tell whether the robot seems to drive another route: the places where it seems to be jump as on
@@ -259,12 +317,12 @@ VDNA_API const vdna_select_position *vdna_select_where(const vdna_select *select
  *  @return 1 if so; 0 if not, in state WARMUP, and without localisers */
 VDNA_API uint32_t vdna_select_is_lost(const vdna_select *select);
 
-/** Get all candidates in the order of the choice.
+/** Get all candidates in the order in which the selector would choose them.
  *  @param select     NULL gives NULL
  *  @param out_count  entries: the candidates, or 0 with NULL; NULL = not wanted
- *  @return the chosen first, with their distance to the window of the warmup; `tied` says that only
- *          the order of the candidates told two apart. Borrowed until the next call that changes
- *          the selector; NULL in state WARMUP */
+ *  @return the one that the selector would choose first, what is excluded last, with their distance
+ *          to the window of the warmup; `tied` says that only the order of the candidates told two
+ *          apart. Borrowed until the next call that changes the selector; NULL in state WARMUP */
 VDNA_API const vdna_rank_entry *vdna_select_ranking(const vdna_select *select, uint32_t *out_count);
 
 /** Tell what ordered the ranking; a switch has moved its choice to the front since.
@@ -286,12 +344,13 @@ VDNA_API const vdna_trust_answer *vdna_select_trust(const vdna_select *select);
 VDNA_API const vdna_trust_prediction *vdna_select_predictions(const vdna_select *select,
                                                               uint32_t *out_count);
 
-/** Count the switches to another choice while driving, since vdna_select_init().
+/** Count the switches to another choice while driving, since vdna_select_init(); if one is pinned
+ * or kept by shadow, those that would have been.
  *  @param select  NULL gives 0
- *  @return switches; what follows on another warmup is none */
+ *  @return switches; what follows on another warmup or a command is none */
 VDNA_API uint64_t vdna_select_switches(const vdna_select *select);
 
-/** Get what was chosen before the newest switch.
+/** Get what was the first of the ranking before the newest switch.
  *  @param select  NULL gives 0
  *  @return candidate index; 0 if there was no switch */
 VDNA_API uint32_t vdna_select_previous(const vdna_select *select);

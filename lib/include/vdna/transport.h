@@ -25,11 +25,12 @@ extern "C" {
 #define VDNA_LCM_REMEDY \
     "if this machine has no network, it lacks a route: `ip route add 224.0.0.0/4 dev lo`"
 
-#define VDNA_CHANNEL_CAMERA "CAMERA"                  /**< default channel of bot_core.image_t */
-#define VDNA_CHANNEL_COMMAND "VDNA_COMMAND"           /**< of vdna_msg.command_t */
-#define VDNA_CHANNEL_RANKING "VDNA_RANKING"           /**< of vdna_msg.ranking_t */
-#define VDNA_CHANNEL_LOCALISATION "VDNA_LOCALISATION" /**< of vdna_msg.localisation_t */
-#define VDNA_CHANNEL_STATUS "VDNA_STATUS"             /**< of vdna_msg.status_t */
+#define VDNA_CHANNEL_CAMERA "CAMERA"        /**< default channel of bot_core.image_t */
+#define VDNA_CHANNEL_COMMAND "VDNA_COMMAND" /**< of vdna_msg.command_t */
+#define VDNA_CHANNEL_COMMAND_RESULT "VDNA_COMMAND_RESULT" /**< of vdna_msg.command_result_t */
+#define VDNA_CHANNEL_RANKING "VDNA_RANKING"               /**< of vdna_msg.ranking_t */
+#define VDNA_CHANNEL_LOCALISATION "VDNA_LOCALISATION"     /**< of vdna_msg.localisation_t */
+#define VDNA_CHANNEL_STATUS "VDNA_STATUS"                 /**< of vdna_msg.status_t */
 
 /** Most bytes of a channel name; LCM's limit. */
 #define VDNA_CHANNEL_BYTES_MAX 63
@@ -52,6 +53,11 @@ extern "C" {
 #define VDNA_TRANSPORT_PEERS_MAX 8u
 /** Bytes of the name of a peer's machine that are kept, with the NUL. */
 #define VDNA_TRANSPORT_HOST_SIZE 64u
+
+/** Most commands that one poll hands out. */
+#define VDNA_TRANSPORT_COMMANDS_MAX 16u
+/** Bytes of a command's argument that are kept, with the NUL: those of a name. */
+#define VDNA_TRANSPORT_ARGUMENT_SIZE 64u
 
 /** Longest time that a poll may wait, in milliseconds. */
 #define VDNA_TIMEOUT_MS_MAX 1000
@@ -136,6 +142,8 @@ typedef struct vdna_transport_counters {
     uint64_t
         other_sender_frames; /**< over udpm:// : well-formed camera frames that came from another
                                 program while the first one had been heard within a second */
+    uint64_t commands_dropped; /**< of `commands`, not handed out: there were more than
+                                    VDNA_TRANSPORT_COMMANDS_MAX in one poll */
 } vdna_transport_counters;
 
 /** A sender of protected camera frames, from one start to its end. The caller keeps it. */
@@ -143,6 +151,14 @@ typedef struct vdna_transport_stream {
     uint64_t id;       /**< drawn at random at each start */
     uint64_t sequence; /**< of the next frame; 0 at the start */
 } vdna_transport_stream;
+
+/** A command, of whatever number; not checked. */
+typedef struct vdna_transport_command {
+    int64_t utime;                               /**< as it says, microseconds since 1970 */
+    int32_t command;                             /**< VDNA_MSG_COMMAND_T_..., or any other number */
+    uint32_t argument_bytes;                     /**< as sent, without the NUL */
+    char argument[VDNA_TRANSPORT_ARGUMENT_SIZE]; /**< cut if it is longer */
+} vdna_transport_command;
 
 /** A channel other than the transport's own, as it was overheard. */
 typedef struct vdna_transport_overheard {
@@ -172,8 +188,8 @@ typedef struct vdna_transport_memory {
 
 /** Results of vdna_transport_poll(); bits. */
 enum {
-    VDNA_TRANSPORT_FRAME = 1, /**< a camera frame */
-    VDNA_TRANSPORT_RESET = 2  /**< at least one command to reset */
+    VDNA_TRANSPORT_FRAME = 1,  /**< a camera frame */
+    VDNA_TRANSPORT_COMMAND = 2 /**< at least one command: vdna_transport_commands() */
 };
 
 /** Write the defaults: LCM's own URL, 8 MiB, no channel.
@@ -220,12 +236,19 @@ VDNA_API void vdna_transport_close(vdna_transport *transport);
  *  @param transport   an open one
  *  @param timeout_ms  0 = do not wait, at most VDNA_TIMEOUT_MS_MAX
  *  @param out_events  VDNA_TRANSPORT_ bits; 0 if nothing came in time, a signal interrupted, or the
- *                     messages were malformed or unknown commands
+ *                     messages were malformed
  *  @param out_frame   set if the FRAME bit is
  *  @return VDNA_OK; VDNA_ERR_IO if the connection is gone (for file:// URLs: the log has ended);
  *          VDNA_ERR_FORMAT if a log has ended of which damaged parts were passed over */
 VDNA_API vdna_status vdna_transport_poll(vdna_transport *transport, int32_t timeout_ms,
                                          uint32_t *out_events, vdna_transport_frame *out_frame);
+
+/** Get the commands that the newest poll took, oldest first.
+ *  @param transport  an open one, or NULL
+ *  @param out_count  their number, at most VDNA_TRANSPORT_COMMANDS_MAX; untouched for NULL
+ *  @return [*out_count], valid until the next poll; NULL for NULL */
+VDNA_API const vdna_transport_command *vdna_transport_commands(const vdna_transport *transport,
+                                                               uint32_t *out_count);
 
 /** Begin or end overhearing: noting which other channels of the network carry messages, and of
  *  which type, in a table of fixed size. When it is full, a channel of camera pictures takes the

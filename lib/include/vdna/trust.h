@@ -367,6 +367,17 @@ VDNA_API vdna_status vdna_trust_predict(vdna_trust *trust, const double *distanc
                                         vdna_trust_prediction *out_predictions,
                                         vdna_trust_answer *out_answer);
 
+/** Judge one candidate, whoever chose it.
+ *  @param trust        from vdna_trust_init()
+ *  @param candidate    below `runs`
+ *  @param predictions  [runs], of the newest vdna_trust_predict()
+ *  @param answer       of the same call; `verdict` and `unlike` become those of this candidate
+ * alone
+ *  @return VDNA_OK; VDNA_ERR_ARG */
+VDNA_API vdna_status vdna_trust_judge(const vdna_trust *trust, uint32_t candidate,
+                                      const vdna_trust_prediction *predictions,
+                                      vdna_trust_answer *answer);
+
 /** Begin to watch a choice, whoever made it.
  *  @param trust      from vdna_trust_init()
  *  @param candidate  below `runs`

@@ -54,6 +54,23 @@ def test_a_second_embedding_comes_back_within_half_a_step(tmp_path):
     assert (plain.identity.embedding, plain.identity.is_centred, plain.last_layer) == ("", False, None)
 
 
+def test_thumbnails_and_a_source_come_back(tmp_path):
+    pictured = small_experience(source="winter.mp4", thumbnails=[None, b"three"])
+    pictured.write(tmp_path / "winter.vdna")
+    for experience in (pictured, Experience.open(tmp_path / "winter.vdna")):
+        assert experience.source == "winter.mp4"
+        assert [experience.thumbnail(i) for i in range(2)] == [None, b"three"]
+        with pytest.raises(IndexError, match="frame 2, expected 0 to 1"):
+            experience.thumbnail(2)
+        pictured.check_comparable(experience)
+    plain = small_experience(thumbnails=[b"", None])
+    assert (plain.source, plain.thumbnail(0)) == ("", None)
+    with pytest.raises(ValueError, match="1 thumbnails, expected 2"):
+        small_experience(thumbnails=[b"one"])
+    with pytest.raises(VdnaError, match="at most 4096 more"):
+        small_experience(thumbnails=[b"one", bytes(4097)]).write(tmp_path / "large.vdna")
+
+
 def test_a_projection_comes_back_and_projects_live_frames(tmp_path):
     projection = np.eye(5, 7, 1, np.float32)
     small_experience(projection=projection).write(tmp_path / "winter.vdna")

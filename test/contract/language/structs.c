@@ -258,6 +258,10 @@ static void print_map(void)
     FIELD(vdna_experience, checksum);
     FIELD(vdna_experience, embedding_codes);
     FIELD(vdna_experience, embedding_scale);
+    FIELD(vdna_experience, thumbnails);
+    FIELD(vdna_experience, thumbnail_end);
+    FIELD(vdna_experience, thumbnail_bytes);
+    FIELD(vdna_experience, source);
 }
 
 static void print_backbone(void)

@@ -23,12 +23,14 @@ int main(int argc, char **argv)
 {
     if (argc != 2)
         return fprintf(stderr, "usage: write_samples FOLDER\n"), 2;
-    const int written = write_sample(argv[1], &vdna_message_image, &sample_image) &&
-                        write_sample(argv[1], &vdna_message_pose, &sample_pose) &&
-                        write_sample(argv[1], &vdna_message_gps_data, &sample_gps_data) &&
-                        write_sample(argv[1], &vdna_message_command, &sample_command) &&
-                        write_sample(argv[1], &vdna_message_ranking, &sample_ranking) &&
-                        write_sample(argv[1], &vdna_message_localisation, &sample_localisation) &&
-                        write_sample(argv[1], &vdna_message_status, &sample_status);
+    const int written =
+        write_sample(argv[1], &vdna_message_image, &sample_image) &&
+        write_sample(argv[1], &vdna_message_pose, &sample_pose) &&
+        write_sample(argv[1], &vdna_message_gps_data, &sample_gps_data) &&
+        write_sample(argv[1], &vdna_message_command, &sample_command) &&
+        write_sample(argv[1], &vdna_message_command_result, &sample_command_result) &&
+        write_sample(argv[1], &vdna_message_ranking, &sample_ranking) &&
+        write_sample(argv[1], &vdna_message_localisation, &sample_localisation) &&
+        write_sample(argv[1], &vdna_message_status, &sample_status);
     return written ? 0 : 1;
 }

@@ -34,7 +34,8 @@ typedef struct machine {
     int8_t codes[CANDIDATES][FRAMES][LAST];
     float scales[CANDIDATES][FRAMES];
     void *trust_mem;
-    vdna_trust *trust; /* of the selector; NULL = none */
+    vdna_trust *trust;              /* of the selector; NULL = none */
+    int has_excluded, has_included; /* ever */
     uint64_t fed;
     int64_t stamp;
 } machine;
@@ -354,6 +355,7 @@ static void make_select(calls *c, machine *m)
         drop_select(m);
     m->count = config.candidate_count;
     m->localises = config.localisers != NULL;
+    m->has_excluded = m->has_included = 0;
     m->fed = 0;
 }
 
@@ -365,10 +367,16 @@ static void check_ranking(const machine *m)
     for (uint32_t i = 0; i < count; i++)
         found |= 1u << ranking[i].candidate;
     MUST(found == (1u << count) - 1);
-    MUST(vdna_select_chosen(m->select) == ranking[0].candidate);
+    const uint32_t pinned = vdna_select_pinned(m->select), chosen = vdna_select_chosen(m->select);
+    MUST(!vdna_select_is_excluded(m->select, ranking[0].candidate));
+    MUST(chosen == (pinned == VDNA_SELECT_NONE ? ranking[0].candidate : pinned) ||
+         vdna_select_in_shadow(m->select));
+    for (uint32_t i = 1; i < count; i++)
+        MUST(vdna_select_is_excluded(m->select, ranking[i].candidate) ||
+             !vdna_select_is_excluded(m->select, ranking[i - 1].candidate) || m->has_included);
     MUST(vdna_select_margin_bins(m->select) >= 0 ||
          vdna_select_ranked_by(m->select) != VDNA_SELECT_BY_EMD ||
-         vdna_select_switches(m->select) > 0);
+         vdna_select_switches(m->select) > 0 || m->has_excluded);
 }
 
 static void check_trust(const machine *m)
@@ -420,7 +428,10 @@ static void check_select_answer(const machine *m, const vdna_select_answer *answ
     const vdna_select_position *where = vdna_select_where(m->select);
     MUST(answer->state == vdna_select_state(m->select) && answer->newly_ranked <= 1);
     MUST(answer->restarted <= VDNA_RESTART_UNIT && answer->localised <= 1);
-    MUST(!answer->localised || answer->state != VDNA_SELECT_WARMUP);
+    MUST(!answer->localised || vdna_select_has_choice(m->select));
+    MUST(!answer->localised ||
+         !vdna_select_is_excluded(m->select,
+                                  where ? where->candidate : vdna_select_chosen(m->select)));
     const uint32_t in = where ? where->candidate : vdna_select_chosen(m->select);
     if (answer->localised)
         MUST(answer->match.index < m->runs[in].frames && answer->match.distance_sq >= 0);
@@ -491,12 +502,47 @@ static void reset_select(calls *c, machine *m)
     check_select(m);
 }
 
+static void command_select(calls *c, machine *m)
+{
+    vdna_select *s = m->select;
+    if (!s)
+        return;
+    const uint32_t candidate = seldom(c, 8) ? any_count(c, 0) : below(c, CANDIDATES);
+    const uint32_t on = seldom(c, 16) ? any_count(c, 0) : below(c, 2);
+    const uint32_t pinned = vdna_select_pinned(s), shadow = vdna_select_in_shadow(s);
+    const uint32_t excluded = vdna_select_is_excluded(s, candidate);
+    switch (below(c, 4)) {
+    case 0:
+        if (vdna_select_pin(s, candidate) == VDNA_OK)
+            MUST(vdna_select_pinned(s) == candidate && !excluded);
+        else
+            MUST(vdna_select_pinned(s) == pinned && (excluded || candidate >= m->count));
+        break;
+    case 1:
+        MUST(vdna_select_pin(s, VDNA_SELECT_NONE) == VDNA_OK);
+        MUST(vdna_select_pinned(s) == VDNA_SELECT_NONE);
+        break;
+    case 2:
+        MUST((vdna_select_shadow(s, on) == VDNA_OK) == (on <= 1));
+        MUST(vdna_select_in_shadow(s) == (on <= 1 ? on : shadow));
+        break;
+    default:
+        if (vdna_select_exclude(s, candidate, on) == VDNA_OK)
+            MUST(vdna_select_is_excluded(s, candidate) == on && (!on || candidate != pinned));
+        else
+            MUST(vdna_select_is_excluded(s, candidate) == excluded);
+        m->has_excluded |= vdna_select_is_excluded(s, candidate) != 0;
+        m->has_included |= excluded && !vdna_select_is_excluded(s, candidate);
+    }
+    check_select(m);
+}
+
 /* ---- the program */
 
 static void (*const operations[])(calls *, machine *) = {
-    measure_map,    make_localiser,  make_localiser, feed,        feed,
-    feed_distances, reset_localiser, make_select,    make_select, feed_select,
-    feed_select,    feed_select,     drive_select,   reset_select};
+    measure_map,     make_localiser, make_localiser, feed,          feed,        feed_distances,
+    reset_localiser, make_select,    make_select,    feed_select,   feed_select, feed_select,
+    drive_select,    reset_select,   command_select, command_select};
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {

@@ -74,7 +74,7 @@ static const char *const lines[] = {
     "vdna camera --size 640x480 /dev/video0",
     "vdna simulate out --condition dusk --seed 3 --frames 240 --step 0.7 --size 160x120",
     "vdna eval data --warmup 45s --format nordland --stride 5",
-    "vdna command reset --channel C",
+    "vdna command pin winter --channel C --timeout 2 --no-wait",
     "vdna doctor -c vdna.toml --map m -l udpm://x --for 2.5 --json",
     "vdna --help",
     "vdna_selectord -c /nowhere.toml --map m --backbone b --warmup-frames 50 -l udpm://x",

@@ -65,6 +65,27 @@ static void use_projection(const vdna_experience *e)
     free(kept);
 }
 
+/* Every frame's thumbnail is within all of them; the sanitisers watch the reads. */
+static void use_thumbnails(const vdna_experience *e)
+{
+    uint32_t bytes = 0;
+    volatile uint8_t last = 0;
+    for (uint32_t f = 0; f < e->frames; f++) {
+        const uint8_t *jpeg;
+        size_t size;
+        const vdna_status status = vdna_experience_thumbnail(e, f, &jpeg, &size);
+        MUST(status == VDNA_OK || status == VDNA_ERR_EMPTY);
+        if (status != VDNA_OK)
+            continue;
+        MUST(size > 0 && size <= VDNA_THUMBNAIL_MAX);
+        bytes += (uint32_t)size;
+        last = jpeg[size - 1];
+    }
+    (void)last;
+    MUST(bytes == e->thumbnail_bytes);
+    MUST(memchr(e->source, '\0', sizeof e->source) != NULL);
+}
+
 /* Read everything that an accepted experience points to: the reader's promises must hold. */
 static void use(const vdna_experience *e)
 {
@@ -81,6 +102,7 @@ static void use(const vdna_experience *e)
     use_positions(e);
     use_codes(e);
     use_projection(e);
+    use_thumbnails(e);
 
     vdna_field fields[VDNA_FIELD_COUNT];
     vdna_layout_of(e, fields);
@@ -113,16 +135,17 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 }
 
 /* The sample, the same without optional fields, with frames without ground truth, with a second
- * embedding, with codes, and with a projection. */
+ * embedding, with codes, with a projection, and with thumbnails. */
 size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
 {
     vdna_experience e = sample_experience();
-    if (index > 5)
+    if (index > 6)
         return 0;
     if (index > 2)
         e = index == 3   ? grid_experience()
             : index == 4 ? coded_experience()
-                         : projected_experience();
+            : index == 5 ? projected_experience()
+                         : pictured_experience();
     if (index == 1) {
         e.frame_place = NULL;
         e.frame_position = NULL;

@@ -104,10 +104,31 @@ static void try_peer(const uint8_t *data, size_t size)
     }
 }
 
+// A command is handed out if it is well-formed, with as much of its argument as there is room for.
+static void try_command(const uint8_t *data, size_t size)
+{
+    vdna_transport transport = {0};
+    const vdna_transport_incoming message = {data, size, 1, NULL};
+    const char *name = vdna_message_command.name;
+    uint32_t count = 0;
+    vdna_transport_take_command(&transport, &message);
+    const vdna_transport_command *command = vdna_transport_commands(&transport, &count);
+    require(count == (vdna_transport_check(&vdna_message_command, data, size) == VDNA_OK), name,
+            "is not handed out");
+    require(count + transport.counters.rejected == 1, name, "is not counted once");
+    if (count == 0)
+        return;
+    const uint32_t most = sizeof command->argument - 1;
+    require(strlen(command->argument) ==
+                (command->argument_bytes < most ? command->argument_bytes : most),
+            name, "has another argument");
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     try_image(data, size);
     try_peer(data, size);
+    try_command(data, size);
     for (unsigned i = 0; i < VDNA_MESSAGE_TYPES; i++)
         try_type(vdna_message_types[i], data, size);
     return 0;

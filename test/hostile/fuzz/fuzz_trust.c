@@ -312,6 +312,12 @@ static void predict(calls *c, machine *m)
         MUST(answer.settled_frames == vdna_trust_settled_frames(m->trust));
         MUST(answer.settled_frames == 0 || m->fed >= VDNA_TRUST_SETTLED_FRAMES);
         MUST(!isinf(answer.unlike));
+        vdna_trust_answer alone = answer;
+        const uint32_t candidate = below(c, m->runs + 1);
+        MUST((vdna_trust_judge(m->trust, candidate, predictions, &alone) == VDNA_OK) ==
+             (candidate < m->runs));
+        MUST(alone.verdict <= VDNA_TRUST_POOR && alone.choice == answer.choice);
+        MUST(!isinf(alone.unlike) && !(alone.unlike < answer.unlike));
     }
     free(bins);
 }

@@ -11,7 +11,7 @@ import time
 
 import own_network
 from selectord import (BIN, PATIENCE, Camera, Listener, Selectord, Watch, WithConfiguration,
-                       answer_of, memory_of, network_process, selectord, vdna)
+                       answer_of, memory_of, network_process, selectord, vdna, vdna_json)
 
 WORK = os.path.abspath("statement")
 MAP = os.path.join(WORK, "map")
@@ -56,8 +56,9 @@ class Statement(WithConfiguration):
         self.assertEqual(stated["held_bytes_max"],
                          sum(part["bytes"] for part in parts if not part["evictable"]))
         self.assertEqual([part["part"] for part in parts if part["evictable"]], [])
-        files = [os.path.join(MAP, name) for name in os.listdir(MAP) if name.endswith(".vdna")]
-        self.assertIn(sum(map(os.path.getsize, files)),
+        experiences = vdna_json("info", MAP)["experiences"]
+        self.assertTrue(all(e["thumbnail_bytes"] > 10000 for e in experiences), experiences)
+        self.assertIn(sum(e["bytes"] - e["thumbnail_bytes"] - 4 for e in experiences),  # nor the checksum behind
                       [part["bytes"] for part in parts if part["part"] == "map"])
         table = selectord("--map", MAP, "-c", self.configure(LIMITS), "--print-memory").stdout
         for part in parts:

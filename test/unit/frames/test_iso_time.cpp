@@ -5,6 +5,7 @@
 #include "cmocka.hpp"
 #include "frames/iso_time.hpp"
 
+using vdna::frames::date_of;
 using vdna::frames::iso_of;
 using vdna::frames::utime_of_iso;
 
@@ -43,6 +44,15 @@ void every_day_of_four_centuries_is_that_of_the_c_library(void **)
         strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &calendar);
         assert_utime(text, day * 86400 * 1000000);
     }
+}
+
+void a_stamp_is_a_date_if_it_counts_from_1970(void **)
+{
+    assert_string_equal(date_of(1714564800000000).c_str(), "2024-05-01T12:00:00.000Z");
+    assert_string_equal(date_of(100000000000000).c_str(), "1973-03-03T09:46:40.000Z");
+    for (const int64_t utime : {INT64_MIN, int64_t{-1}, int64_t{0}, int64_t{99999999999999},
+                                int64_t{100000000000000000}, INT64_MAX})
+        assert_string_equal(date_of(utime).c_str(), "");
 }
 
 void fractions_are_read_to_the_microsecond(void **)
@@ -114,6 +124,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(dates_are_those_of_the_calendar),
         cmocka_unit_test(every_day_of_four_centuries_is_that_of_the_c_library),
+        cmocka_unit_test(a_stamp_is_a_date_if_it_counts_from_1970),
         cmocka_unit_test(fractions_are_read_to_the_microsecond),
         cmocka_unit_test(zones_are_subtracted),
         cmocka_unit_test(a_leap_second_is_the_next_minute),

@@ -409,6 +409,101 @@ static void codes_that_break_a_rule_are_refused(void **state)
     }
 }
 
+static void assert_thumbnail(const vdna_experience *e, uint32_t frame, const char *expected)
+{
+    const uint8_t *jpeg = NULL;
+    size_t size = 0;
+    assert_int_equal(vdna_experience_thumbnail(e, frame, &jpeg, &size), VDNA_OK);
+    assert_int_equal(size, strlen(expected));
+    assert_memory_equal(jpeg, expected, size);
+}
+
+static void assert_no_thumbnail(const vdna_experience *e, uint32_t frame, vdna_status expected)
+{
+    const uint8_t *jpeg = NULL;
+    size_t size = 77;
+    assert_int_equal(vdna_experience_thumbnail(e, frame, &jpeg, &size), expected);
+    assert_true(!jpeg && size == 77);
+}
+
+static void thumbnails_and_a_source_are_kept_and_change_nothing_else(void **state)
+{
+    edited_file f = *(const edited_file *)*state;
+    const vdna_experience pictured = pictured_experience(), sample = sample_experience();
+    vdna_experience e, plain;
+    load(&f, pictured);
+    assert_int_equal(open_bytes(&f, NULL, &e), VDNA_OK);
+    assert_string_equal(e.source, pictured.source);
+    assert_int_equal(e.thumbnail_bytes, 8);
+    assert_thumbnail(&e, 0, "one");
+    assert_thumbnail(&e, 1, "three");
+    assert_no_thumbnail(&e, 2, VDNA_ERR_ARG);
+    assert_non_null(strstr((const char *)e.file_bytes + 8, "\"format_version\":\"1\""));
+
+    assert_int_equal(vdna_experience_open(path_in(&f.directory, "sample"), NULL, &plain), VDNA_OK);
+    assert_string_equal(e.comparable, plain.comparable);
+    assert_string_equal(plain.source, "");
+    assert_true(!plain.thumbnails && !plain.thumbnail_end && plain.thumbnail_bytes == 0);
+    assert_no_thumbnail(&plain, 0, VDNA_ERR_EMPTY);
+    assert_memory_equal(e.embeddings, sample.embeddings, 2 * 5 * sizeof(float));
+    vdna_experience_close(&plain);
+    vdna_experience_close(&e);
+
+    const uint32_t none_of_the_first[2] = {0, 8};
+    vdna_experience gap = pictured;
+    gap.thumbnail_end = none_of_the_first;
+    load(&f, gap);
+    assert_int_equal(open_bytes(&f, NULL, &e), VDNA_OK);
+    assert_no_thumbnail(&e, 0, VDNA_ERR_EMPTY);
+    assert_thumbnail(&e, 1, "onethree");
+    const uint8_t *jpeg;
+    size_t size;
+    assert_int_equal(vdna_experience_thumbnail(NULL, 0, &jpeg, &size), VDNA_ERR_ARG);
+    assert_int_equal(vdna_experience_thumbnail(&e, 0, NULL, &size), VDNA_ERR_ARG);
+    assert_int_equal(vdna_experience_thumbnail(&e, 0, &jpeg, NULL), VDNA_ERR_ARG);
+    vdna_experience_close(&e);
+}
+
+static void thumbnails_and_sources_that_break_a_rule_are_refused(void **state)
+{
+    static const struct {
+        const char *from, *to, *reason;
+    } edits[] = {
+        {"\"thumbnails\":", "\"acme_thumbnails\":", "have no pictures, ends and 0 bytes"},
+        {"\"frame_thumbnail_end\":", "\"acme_end\":", "have pictures, no ends and 8 bytes"},
+        {"\"shape\":[8]", "\"shape\":[8,1]", "tensor thumbnails has a shape"},
+        {"\"shape\":[8]", "\"shape\":[0]", "tensor thumbnails has a shape"},
+        {"\"shape\":[8]", "\"shape\":[4294967304]", "tensor thumbnails has a shape"},
+        {"\"shape\":[8]", "\"shape\":[9]", "tensor thumbnails has 8 bytes, expected 9"},
+        {"\"dtype\":\"U8\"", "\"dtype\":\"I8\"", "tensor thumbnails has a dtype"},
+        {"winter \\\"drive", "win\\tter", "source is not 0 to 127 printable"},
+        {"winter \\\"drive", "win\\u007fter", "source is not 0 to 127 printable"},
+        {"winter \\\"drive", SAMPLE_SHA256 SAMPLE_SHA256, "source in __metadata__ is too long"},
+    };
+    static const struct {
+        size_t frame;
+        uint32_t end;
+        const char *reason;
+    } ends[] = {
+        {0, 9, "the thumbnail of frame 1 ends at byte 8, expected 9 and at most 4096 more"},
+        {0, 4097, "the thumbnail of frame 0 ends at byte 4097, expected 0 and at most 4096 more"},
+        {1, 7, "the last thumbnail ends at byte 7, expected 8"},
+        {1, 9, "the last thumbnail ends at byte 9, expected 8"},
+    };
+    edited_file pictured = *(const edited_file *)*state;
+    load(&pictured, pictured_experience());
+    for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
+        edited_file f = pictured;
+        edit_header(&f, edits[i].from, edits[i].to);
+        assert_refused(&f, VDNA_ERR_FORMAT, edits[i].reason);
+    }
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        edited_file f = pictured;
+        edit_data(&f, "frame_thumbnail_end", ends[i].frame, &ends[i].end, 4);
+        assert_refused(&f, VDNA_ERR_FORMAT, ends[i].reason);
+    }
+}
+
 static void numbers_too_large_to_localise_by_are_refused(void **state)
 {
     const float most[] = {1e15f, -1e15f}, beyond[] = {1.1e15f, 3.4e38f, -1.1e15f};
@@ -815,6 +910,8 @@ int main(void)
         CASE(a_projection_is_kept_since_version_4),
         CASE(a_projection_that_breaks_a_rule_is_refused),
         CASE(codes_that_break_a_rule_are_refused),
+        CASE(thumbnails_and_a_source_are_kept_and_change_nothing_else),
+        CASE(thumbnails_and_sources_that_break_a_rule_are_refused),
         CASE(numbers_too_large_to_localise_by_are_refused),
         CASE(a_newer_format_version_is_unsupported_and_says_what_to_do),
         CASE(metadata_that_breaks_a_rule_is_refused),

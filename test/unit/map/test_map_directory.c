@@ -1,9 +1,12 @@
 /* A map is a directory: its experiences in order, under different names, comparable. */
 #define _DEFAULT_SOURCE
+#include <errno.h>
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 
 #include "cmocka_all.h"
+#include "edited_file.h"
 #include "journal.h"
 #include "map_files.h"
 #include "watched_calls.h"
@@ -221,7 +224,10 @@ static void a_config_that_says_nothing_of_ours_is_refused(void **state)
     uint32_t count = 77;
     vdna_map_config config = config_of(2, NULL);
     assert_int_equal(vdna_map_open_as(&config, made->path, 1, &error, map, &count), VDNA_ERR_ARG);
-    assert_non_null(strstr(error.text, "copy is neither 0 nor 1"));
+    assert_non_null(strstr(error.text, "copy or no_thumbnails is neither 0 nor 1"));
+    config = config_of(0, NULL);
+    config.no_thumbnails = 2;
+    assert_int_equal(vdna_map_open_as(&config, made->path, 1, &error, map, &count), VDNA_ERR_ARG);
     config = config_of(0, NULL);
     config.struct_size++;
     assert_int_equal(vdna_map_open_as(&config, made->path, 1, &error, map, &count), VDNA_ERR_ARG);
@@ -247,6 +253,64 @@ static void a_copy_stays_when_its_file_is_changed_in_place(void **state)
     assert_int_equal(map[0].file_size, size);
     assert_memory_equal(map[0].file_bytes, before, size);
     vdna_experience_close(&map[0]);
+}
+
+/* Open the only file of a map without its thumbnails, and check that nothing else is missing.
+ * @param size  of the file
+ * @return bytes held of it */
+static size_t open_without_thumbnails(const directory *made, uint32_t copy, size_t size)
+{
+    vdna_experience map[1];
+    uint32_t count = 0;
+    vdna_map_config config = config_of(copy, NULL);
+    config.no_thumbnails = 1;
+    assert_int_equal(vdna_map_open_as(&config, made->path, 1, NULL, map, &count), VDNA_OK);
+    assert_true(!map[0].thumbnails && !map[0].thumbnail_end && map[0].thumbnail_bytes == 0);
+    const vdna_experience sample = sample_experience();
+    assert_memory_equal(map[0].embeddings, sample.embeddings, 2 * 5 * sizeof(float));
+    assert_memory_equal(map[0].frame_grey, sample.frame_grey, 2 * sizeof(float));
+    const size_t held = map[0].file_size, page = (size_t)sysconf(_SC_PAGESIZE);
+    const size_t kept = (held + page - 1) / page * page;
+    const uintptr_t end = (uintptr_t)map[0].file_bytes + kept;
+    if (kept < size) /* nothing is mapped there any more */
+        assert_true(msync((void *)end, page, MS_ASYNC) != 0 && errno == ENOMEM);
+    vdna_experience_close(&map[0]);
+    return held;
+}
+
+static void thumbnails_are_held_by_no_memory_if_nobody_wants_them(void **state)
+{
+    const directory *made = *state;
+    static const uint8_t thumbnails[2 * VDNA_THUMBNAIL_MAX];
+    static const uint32_t end[2] = {VDNA_THUMBNAIL_MAX, 2 * VDNA_THUMBNAIL_MAX};
+    static unsigned char bytes[4 * VDNA_THUMBNAIL_MAX];
+    vdna_experience large = pictured_experience();
+    large.thumbnails = thumbnails;
+    large.thumbnail_end = end;
+    large.thumbnail_bytes = sizeof thumbnails;
+    write_as(made, "a.vdna", "winter", large);
+    const size_t size = load_file(path_in(made, "a.vdna"), bytes, sizeof bytes);
+    for (uint32_t copy = 0; copy < 2; copy++)
+        assert_int_equal(open_without_thumbnails(made, copy, size), size - sizeof thumbnails - 4);
+
+    /* Thumbnails of a few bytes are on a page with the rest. */
+    write_as(made, "a.vdna", "winter", pictured_experience());
+    const size_t small = load_file(path_in(made, "a.vdna"), bytes, sizeof bytes);
+    assert_int_equal(open_without_thumbnails(made, 1, small), small - 8 - 4);
+
+    /* Another order of the tensors: the last one in use counts. */
+    edited_file f = {.directory = *made};
+    f.size = load_file(path_in(made, "a.vdna"), f.bytes, sizeof f.bytes);
+    edit_header(&f, "frame_utime", "acme");
+    edit_header(&f, "frame_place", "frame_utime");
+    edit_header(&f, "acme", "frame_place");
+    save_file(path_in(made, "a.vdna"), f.bytes, f.size);
+    assert_int_equal(open_without_thumbnails(made, 1, f.size), f.size - 8 - 4);
+
+    /* A file without any is held as it is. */
+    write_as(made, "a.vdna", "winter", sample_experience());
+    const size_t plain = load_file(path_in(made, "a.vdna"), bytes, sizeof bytes);
+    assert_int_equal(open_without_thumbnails(made, 1, plain), plain);
 }
 
 static const char *cut_short;
@@ -690,6 +754,7 @@ int main(void)
         CASE(what_is_not_damage_refuses_the_map_all_the_same),
         CASE(a_config_that_says_nothing_of_ours_is_refused),
         CASE(a_copy_stays_when_its_file_is_changed_in_place),
+        CASE(thumbnails_are_held_by_no_memory_if_nobody_wants_them),
         CASE(a_file_cut_short_while_it_is_copied_is_damaged),
         CASE(a_copy_that_cannot_be_made_is_named),
         CASE(without_memory_a_map_is_refused_and_nothing_left_out),

@@ -93,6 +93,12 @@ static void an_experience_that_breaks_a_rule_is_not_written(void **state)
     e = projected_experience();
     e.identity.raw_dim = 4;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "the projection has directions and makes 5 of 4");
+    e = pictured_experience();
+    e.thumbnail_bytes = 0;
+    assert_not_written(*state, &e, VDNA_ERR_ARG, "thumbnails have pictures, ends and 0 bytes");
+    e = pictured_experience();
+    memset(e.source, 'a', sizeof e.source);
+    assert_not_written(*state, &e, VDNA_ERR_ARG, "source is not 0 to 127 printable");
     e = sample;
     e.embeddings = NULL;
     assert_not_written(*state, &e, VDNA_ERR_ARG, "embeddings is missing");

@@ -73,6 +73,28 @@ struct Reloads {
     MapReload reload{config, backbone.info(), requested, room};
 };
 
+// It names the command of the one that runs.
+void a_command_requests_one_and_one_more_may_wait(void **)
+{
+    Reloads reloads({mib, 0});
+    assert_true(reloads.reload.request(7));
+    assert_false(reloads.reload.request(8));
+    assert_true(reloads.reload.begin(*reloads.serving));
+    assert_int_equal(reloads.reload.utime(), 7);
+    assert_true(reloads.reload.request(8));
+    assert_false(reloads.reload.begin(*reloads.serving)); // one is running
+    assert_non_null(reloads.take().get());
+    reloads.requested = true; // one does for both
+    assert_true(reloads.reload.begin(*reloads.serving));
+    assert_int_equal(reloads.reload.utime(), 8);
+    assert_non_null(reloads.take().get());
+    assert_false(reloads.reload.begin(*reloads.serving));
+    reloads.requested = true;
+    assert_true(reloads.reload.begin(*reloads.serving));
+    assert_int_equal(reloads.reload.utime(), 0);
+    assert_non_null(reloads.take().get());
+}
+
 void nothing_begins_unless_it_is_requested(void **)
 {
     Reloads reloads({mib, 0});
@@ -157,6 +179,7 @@ void a_ranking_must_fit_into_the_message(void **)
 int main()
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_command_requests_one_and_one_more_may_wait),
         cmocka_unit_test(nothing_begins_unless_it_is_requested),
         cmocka_unit_test(a_reload_gives_the_directory_as_it_is_now),
         cmocka_unit_test(requests_during_a_reload_become_one_that_follows_it),

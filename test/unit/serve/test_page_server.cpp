@@ -25,13 +25,14 @@ struct Served {
     std::vector<std::string> sent;
     bool fails = false;
     LiveState state;
-    PageServer server{{"127.0.0.1", 0, "secret",
-                       [this](const vdna::telemetry::Command &command) {
-                           if (fails)
-                               throw vdna::Error("no network");
-                           sent.push_back(command.name);
-                       }},
-                      state};
+    PageServer server{
+        {"127.0.0.1", 0, "secret",
+         [this](const vdna::telemetry::Command &command, const std::string &argument) {
+             if (fails)
+                 throw vdna::Error("no network");
+             sent.push_back(command.name + (":" + argument));
+         }},
+        state};
     httplib::Client client{"127.0.0.1", server.port()};
     std::string ours = "http://127.0.0.1:" + std::to_string(server.port());
 
@@ -141,7 +142,11 @@ void a_command_needs_the_token_and_our_own_page(void **)
     both.insert(origin.begin(), origin.end());
     assert_int_equal(served.command(both), 204);
     assert_int_equal(served.sent.size(), 1);
-    assert_string_equal(served.sent[0].c_str(), "reset");
+    assert_string_equal(served.sent[0].c_str(), "reset:");
+    assert_int_equal(served.command(both, "pin snow white"), 204);
+    assert_string_equal(served.sent[1].c_str(), "pin:snow white");
+    assert_int_equal(served.command(both, "pin "), 204);
+    assert_string_equal(served.sent[2].c_str(), "pin:");
 
     assert_int_equal(served.command(token), 403);
     assert_int_equal(served.command(origin), 403);
@@ -151,7 +156,7 @@ void a_command_needs_the_token_and_our_own_page(void **)
         served.command({{"Origin", "http://evil.example"}, {"X-Vdna-Token", "secret"}}), 403);
     assert_int_equal(served.command(both, "explode"), 400);
     assert_int_equal(served.command(both, ""), 400);
-    assert_int_equal(served.sent.size(), 1);
+    assert_int_equal(served.sent.size(), 3);
 }
 
 void a_command_that_cannot_be_sent_is_told(void **)

@@ -75,6 +75,21 @@ void a_choice_says_no_reason_that_it_does_not_know(void **)
            "Localising in winter, because the map has no other experience.");
 }
 
+void an_operator_is_a_reason(void **)
+{
+    Json status = status_of("VALID");
+    status["pinned"] = "winter";
+    expect(status, by_distance, 0, "good", "Localising in winter, because it is pinned.");
+    status["state"] = "NONE_FITS";
+    expect(status, by_distance, 0, "doubt",
+           "Localising in winter, which does not fit: it is dark.");
+    status = status_of("VALID");
+    status["shadow"] = true;
+    Json other = by_distance;
+    other["ranking"][0]["experience"] = "night";
+    expect(status, other, 0, "good", "Localising in winter, kept by shadow; recommended is night.");
+}
+
 void every_state_has_a_sentence(void **)
 {
     expect(nullptr, nullptr, 7, "wait",
@@ -103,6 +118,7 @@ int main()
         cmocka_unit_test(a_choice_by_distance_says_how_far),
         cmocka_unit_test(a_choice_by_recall_says_how_good),
         cmocka_unit_test(a_choice_says_no_reason_that_it_does_not_know),
+        cmocka_unit_test(an_operator_is_a_reason),
         cmocka_unit_test(every_state_has_a_sentence),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include <vdna_messages.h>
+#include <vdna_msg_command_result_t.h>
+#include <vdna_msg_command_t.h>
 #include <vdna_msg_localisation_t.h>
 #include <vdna_msg_ranking_t.h>
 #include <vdna_msg_status_t.h>
@@ -245,6 +247,33 @@ void a_status_says_what_of_the_map_is_not_in_use(void **)
     assert_true(status.text().find("changed") == std::string::npos);
 }
 
+void a_status_says_what_an_operator_wants(void **)
+{
+    Sample<vdna_msg_status_t> status(vdna_message_status);
+    assert_true(status.text().find(", pinned: text, in shadow, excluded: text text text, ") !=
+                std::string::npos);
+    assert_string_equal(status.json()["pinned"].get<std::string>().c_str(), "text");
+    assert_true(status.json()["shadow"] == true);
+    assert_int_equal(status.json()["excluded"].size(), 3);
+    const int32_t excluded = std::exchange(status->excluded_count, 0);
+    status->pinned[0] = '\0';
+    status->shadow = 0;
+    for (const char *const word : {"pinned", "shadow", "excluded"})
+        assert_true(status.text().find(word) == std::string::npos);
+    status->excluded_count = excluded; // so that all are freed
+}
+
+void a_result_says_what_became_of_which_command(void **)
+{
+    Sample<vdna_msg_command_result_t> result(vdna_message_command_result);
+    result->command = VDNA_MSG_COMMAND_T_PIN;
+    assert_string_equal(result.text().c_str(), "result       pin accepted: text (map text)");
+    assert_string_equal(result.json()["command"].get<std::string>().c_str(), "pin");
+    result->accepted = 0;
+    result->command = 77;
+    assert_int_equal(result.text().find("result       unknown command refused: "), 0);
+}
+
 void the_frames_that_came_too_late_are_shown(void **)
 {
     void *const status = sample_new(&vdna_message_status);
@@ -276,6 +305,8 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(a_line_of_json_is_the_message_after_its_channel),
         cmocka_unit_test(every_kind_of_message_is_shown_as_the_type_that_it_is),
+        cmocka_unit_test(a_status_says_what_an_operator_wants),
+        cmocka_unit_test(a_result_says_what_became_of_which_command),
         cmocka_unit_test(a_value_of_a_later_version_is_shown_as_unknown),
         cmocka_unit_test(a_position_on_the_globe_is_shown_in_degrees_to_the_centimetre),
         cmocka_unit_test(a_position_in_a_local_frame_is_shown_in_metres_with_the_frame),

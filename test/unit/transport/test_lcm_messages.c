@@ -19,6 +19,7 @@
 #define STATUS_HOST_AT (8 + 8 + 4 + 8 + 8)
 #define STATUS_EXPERIENCE_AT (STATUS_HOST_AT + (4 + 6) + (4 + 5) + (4 + 1) + 8 + 8)
 #define COMMAND_ARGUMENT_AT (8 + 8 + 4)
+#define COMMAND_RESULT_TEXT_AT (8 + 8 + 4 + 1)
 #define IMAGE_WIDTH_AT (8 + 8)
 #define IMAGE_PIXELFORMAT_AT (IMAGE_WIDTH_AT + 3 * 4)
 #define IMAGE_SIZE_AT (IMAGE_PIXELFORMAT_AT + 4)
@@ -42,13 +43,14 @@ static vdna_status check(const message *m, const void *data, size_t size)
                     : vdna_transport_parse_image(data, size, &frame);
 }
 
-enum { RANKING, LOCALISATION, STATUS, COMMAND, IMAGE, TYPES };
+enum { RANKING, LOCALISATION, STATUS, COMMAND, COMMAND_RESULT, IMAGE, TYPES };
 
 static message messages[TYPES] = {
     {"vdna_msg.ranking_t", 0, &vdna_message_ranking, {0}, 0},
     {"vdna_msg.localisation_t", 0, &vdna_message_localisation, {0}, 0},
     {"vdna_msg.status_t", 0, &vdna_message_status, {0}, 0},
     {"vdna_msg.command_t", 0, &vdna_message_command, {0}, 0},
+    {"vdna_msg.command_result_t", 0, &vdna_message_command_result, {0}, 0},
     {"bot_core.image_t", 0, NULL, {0}, 0},
 };
 
@@ -62,6 +64,8 @@ static int encode_samples(void **state)
         vdna_msg_localisation_t_encode(m[LOCALISATION].bytes, 0, room, &sample_localisation);
     m[STATUS].size = vdna_msg_status_t_encode(m[STATUS].bytes, 0, room, &sample_status);
     m[COMMAND].size = vdna_msg_command_t_encode(m[COMMAND].bytes, 0, room, &sample_command);
+    m[COMMAND_RESULT].size =
+        vdna_msg_command_result_t_encode(m[COMMAND_RESULT].bytes, 0, room, &sample_command_result);
     m[IMAGE].size = bot_core_image_t_encode(m[IMAGE].bytes, 0, room, &sample_image);
     for (int type = 0; type < TYPES; type++) {
         assert_true(m[type].size > 0);
@@ -199,6 +203,7 @@ static void lengths_of_strings_must_be_right(void **state)
     assert_only_length(STATUS, STATUS_HOST_AT, 6);
     assert_only_length(STATUS, STATUS_EXPERIENCE_AT, 5);
     assert_only_length(COMMAND, COMMAND_ARGUMENT_AT, 1);
+    assert_only_length(COMMAND_RESULT, COMMAND_RESULT_TEXT_AT, 15);
     assert_only_length(IMAGE, IMAGE_KEY_AT, 9);
 }
 

@@ -456,7 +456,7 @@ static void after_a_reset_a_recording_can_be_sent_again(void **state)
     vdna_transport_frame frame;
     uint32_t events;
     assert_int_equal(vdna_transport_poll(*state, 0, &events, &frame), VDNA_OK);
-    assert_int_equal(events, VDNA_TRANSPORT_RESET);
+    assert_int_equal(events, VDNA_TRANSPORT_COMMAND);
     assert_true(comes(*state, 7, 0));
     assert_counted(*state, 2, 0, 0, 0);
 }

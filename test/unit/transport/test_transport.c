@@ -231,23 +231,66 @@ static void oversized_frames_are_reported_with_the_next_frame(void **state)
     assert_int_equal(poll_frame(*state).skipped, 1);
 }
 
-static void a_reset_is_an_event_of_its_own(void **state)
+static void a_command_is_an_event_of_its_own(void **state)
 {
     assert_int_equal(publish_command(*state, &sample_command), VDNA_OK);
-    assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_RESET);
+    assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_COMMAND);
 
     assert_int_equal(publish_command(*state, &sample_command), VDNA_OK);
     send_picture(*state, 1, 10);
-    assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_RESET | VDNA_TRANSPORT_FRAME);
+    assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_COMMAND | VDNA_TRANSPORT_FRAME);
     assert_int_equal(vdna_transport_count(*state)->commands, 2);
 }
 
-static void an_unknown_command_is_counted_and_ignored(void **state)
+static void commands_are_handed_out_as_they_came_whatever_they_say(void **state)
+{
+    uint32_t count = 7;
+    assert_null(vdna_transport_commands(NULL, &count));
+    assert_int_equal(count, 7);
+    char longest[VDNA_TRANSPORT_ARGUMENT_SIZE + 2];
+    memset(longest, 'x', sizeof longest);
+    char *const arguments[] = {"", "winter", longest, longest + 1, longest + 2};
+    longest[sizeof longest - 1] = '\0';
+    for (int i = 0; i < 5; i++) {
+        vdna_msg_command_t command = {100 + i, 77 - i, arguments[i]};
+        assert_int_equal(publish_command(*state, &command), VDNA_OK);
+    }
+    assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_COMMAND);
+    const vdna_transport_command *commands = vdna_transport_commands(*state, &count);
+    assert_int_equal(count, 5);
+    for (int i = 0; i < 5; i++) {
+        assert_int_equal(commands[i].utime, 100 + i);
+        assert_int_equal(commands[i].command, 77 - i);
+        assert_int_equal(commands[i].argument_bytes, strlen(arguments[i]));
+        assert_int_equal(
+            strncmp(commands[i].argument, arguments[i], VDNA_TRANSPORT_ARGUMENT_SIZE - 1), 0);
+    }
+    assert_int_equal(strlen(commands[2].argument), VDNA_TRANSPORT_ARGUMENT_SIZE - 1);
+    assert_int_equal(poll_events(*state, 0), 0);
+    assert_non_null(vdna_transport_commands(*state, NULL));
+    vdna_transport_commands(*state, &count);
+    assert_int_equal(count, 0);
+}
+
+static void of_a_flood_of_commands_the_first_are_handed_out(void **state)
+{
+    const uint32_t most = VDNA_TRANSPORT_COMMANDS_MAX;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < most + 2; i++)
+        assert_int_equal(publish_command(*state, &sample_command), VDNA_OK);
+    assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_COMMAND);
+    vdna_transport_commands(*state, &count);
+    assert_int_equal(count, most);
+    assert_int_equal(vdna_transport_count(*state)->commands, most + 2);
+    assert_int_equal(vdna_transport_count(*state)->commands_dropped, 2);
+}
+
+static void an_unknown_command_is_counted_and_handed_out(void **state)
 {
     vdna_msg_command_t command = sample_command;
     command.command = 77;
     assert_int_equal(publish_command(*state, &command), VDNA_OK);
-    assert_int_equal(poll_events(*state, 0), 0);
+    assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_COMMAND);
     assert_int_equal(vdna_transport_count(*state)->commands, 1);
 }
 
@@ -453,7 +496,7 @@ static void our_own_channels_are_received_as_ever_and_not_overheard(void **state
     assert_int_equal(publish_command(*state, &sample_command), VDNA_OK);
     for (int i = 0; i < 3; i++) // as many as LCM queues for us
         send_raw(*state, "POSE", "12345678", 8);
-    assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_FRAME | VDNA_TRANSPORT_RESET);
+    assert_int_equal(poll_events(*state, 0), VDNA_TRANSPORT_FRAME | VDNA_TRANSPORT_COMMAND);
     assert_int_equal(vdna_transport_count(*state)->received, 1);
     assert_int_equal(vdna_transport_count(*state)->backlog_max, 2);
     assert_int_equal(overheard_count(*state), 1);
@@ -953,7 +996,7 @@ static void a_log_hands_out_every_frame_and_then_ends(void **state)
     vdna_transport *reader = open_with(&config);
     assert_int_equal(poll_frame(reader).utime, 1);
     assert_int_equal(poll_frame(reader).utime, 2);
-    assert_int_equal(poll_events(reader, 0), VDNA_TRANSPORT_RESET);
+    assert_int_equal(poll_events(reader, 0), VDNA_TRANSPORT_COMMAND);
     assert_int_equal(poll_frame(reader).utime, 3);
     assert_int_equal(vdna_transport_count(reader)->skipped, 0);
     assert_int_equal(publish_ranking(reader, &sample_ranking), VDNA_ERR_IO);
@@ -980,8 +1023,10 @@ int main(void)
         ON_MEMQ(a_picture_of_the_largest_size_is_taken_and_one_byte_more_is_oversized),
         ON_MEMQ(oversized_frames_are_reported_with_the_next_frame),
         ON_MEMQ(the_time_in_the_queue_of_lcm_is_part_of_a_frames_age),
-        ON_MEMQ(a_reset_is_an_event_of_its_own),
-        ON_MEMQ(an_unknown_command_is_counted_and_ignored),
+        ON_MEMQ(a_command_is_an_event_of_its_own),
+        ON_MEMQ(commands_are_handed_out_as_they_came_whatever_they_say),
+        ON_MEMQ(of_a_flood_of_commands_the_first_are_handed_out),
+        ON_MEMQ(an_unknown_command_is_counted_and_handed_out),
         ON_MEMQ(a_malformed_command_is_rejected),
         ON_MEMQ(a_flood_is_taken_in_portions),
         ON_MEMQ(an_idle_poll_waits_for_its_timeout),

@@ -59,7 +59,7 @@ static void go_round(vdna_transport *transport, int64_t utime)
     vdna_transport_frame frame;
     uint32_t events;
     assert_int_equal(vdna_transport_poll(transport, 0, &events, &frame), VDNA_OK);
-    assert_int_equal(events, VDNA_TRANSPORT_FRAME | VDNA_TRANSPORT_RESET);
+    assert_int_equal(events, VDNA_TRANSPORT_FRAME | VDNA_TRANSPORT_COMMAND);
     assert_int_equal(frame.utime, utime);
 
     assert_int_equal(

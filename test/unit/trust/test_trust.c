@@ -274,6 +274,40 @@ static void poor_is_below_the_recall_that_was_asked_for(void **state)
     assert_int_equal(predicted(trust, distances, p).verdict, VDNA_TRUST_FITS);
 }
 
+/* The live run is nearest to run 0. */
+static void one_candidate_is_judged_alone(void **state)
+{
+    (void)state;
+    vdna_trust_config config = a_map_of(4);
+    config.min_recall = 0.5;
+    vdna_trust *trust = made(&config);
+    vdna_trust_prediction p[4];
+    vdna_trust_answer before = predicted(trust, NULL, p);
+    OK(vdna_trust_judge(trust, 3, p, &before));
+    assert_int_equal(before.verdict, VDNA_TRUST_FITS); /* of no frame nothing is known */
+    assert_true(isnan(before.unlike));
+
+    drive(trust, 4, 20, 1, 0);
+    const vdna_trust_answer answer = predicted(trust, distances, p);
+    vdna_trust_answer of[4];
+    for (uint32_t b = 0; b < 4; b++) {
+        of[b] = answer;
+        OK(vdna_trust_judge(trust, b, p, &of[b]));
+        assert_int_equal(of[b].choice, answer.choice);
+    }
+    assert_memory_equal(&of[0], &answer, sizeof answer); /* the nearest is judged for all */
+    assert_true(of[1].unlike > of[0].unlike && of[3].unlike > of[2].unlike);
+    assert_int_equal(of[3].verdict, VDNA_TRUST_UNLIKE);
+    p[0].recall = 0.4;
+    OK(vdna_trust_judge(trust, 0, p, &of[0]));
+    assert_int_equal(of[0].verdict, VDNA_TRUST_POOR);
+
+    REFUSED(vdna_trust_judge(NULL, 0, p, &of[0]));
+    REFUSED(vdna_trust_judge(trust, 4, p, &of[0]));
+    REFUSED(vdna_trust_judge(trust, 0, NULL, &of[0]));
+    REFUSED(vdna_trust_judge(trust, 0, p, NULL));
+}
+
 static void one_experience_is_settled_and_nothing_else_is_known(void **state)
 {
     (void)state;
@@ -920,6 +954,7 @@ int main(void)
         cmocka_unit_test(what_is_unlike_has_a_ranking_and_no_prediction),
         cmocka_unit_test(the_distance_of_the_live_dna_is_needed_about_the_means_only),
         cmocka_unit_test(poor_is_below_the_recall_that_was_asked_for),
+        cmocka_unit_test(one_candidate_is_judged_alone),
         cmocka_unit_test(one_experience_is_settled_and_nothing_else_is_known),
         cmocka_unit_test(two_experiences_transfer_and_may_be_unlike),
         cmocka_unit_test(without_labels_it_still_settles_and_tells_what_is_unlike),

@@ -4,7 +4,9 @@
 #ifndef VDNA_CPP_EXPERIENCE_HPP
 #define VDNA_CPP_EXPERIENCE_HPP
 
+#include <cstdint>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include <vdna/cpp/error.hpp>
@@ -12,6 +14,17 @@
 
 namespace vdna
 {
+
+/** The JPEG file of a frame's thumbnail, borrowed from the experience; "" if there is none or no
+ * such frame. Nobody has decoded it: its content may be anything. */
+inline std::string_view thumbnail_of(const vdna_experience &experience, uint32_t frame)
+{
+    const uint8_t *jpeg = nullptr;
+    size_t size = 0;
+    if (vdna_experience_thumbnail(&experience, frame, &jpeg, &size) != VDNA_OK)
+        return {};
+    return {reinterpret_cast<const char *>(jpeg), size};
+}
 
 class Experience
 {

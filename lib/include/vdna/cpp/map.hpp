@@ -23,6 +23,7 @@ namespace vdna
 struct MapOpening {
     bool copy = false;      /**< hold copies of the files, which are mapped otherwise */
     bool leave_out = false; /**< leave out damaged experiences; otherwise they refuse the map */
+    bool thumbnails = true; /**< keep the frames' thumbnails; otherwise no memory holds them */
 };
 
 /** An experience as the selector wants it; borrowed from the experience. */
@@ -133,6 +134,7 @@ class Map
         vdna_map_config config;
         vdna_map_config_init(&config);
         config.copy = how.copy ? 1 : 0;
+        config.no_thumbnails = how.thumbnails ? 0 : 1;
         if (how.leave_out)
             config.left_out = [](void *reasons, const char *reason) {
                 static_cast<std::vector<std::string> *>(reasons)->emplace_back(reason);

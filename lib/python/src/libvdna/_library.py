@@ -351,6 +351,10 @@ class ExperienceFile(Structure):
         ("checksum", c_uint32),
         ("embedding_codes", c_void_p),
         ("embedding_scale", c_void_p),
+        ("thumbnails", c_void_p),
+        ("thumbnail_end", c_void_p),
+        ("thumbnail_bytes", c_uint32),
+        ("source", c_char * 128),
     ]
 
 
@@ -532,6 +536,12 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
             POINTER(ExperienceFile),
             POINTER(ExperienceFile),
             POINTER(Error),
+        ),
+        "vdna_experience_thumbnail": (
+            POINTER(ExperienceFile),
+            c_uint32,
+            POINTER(c_void_p),
+            POINTER(c_size_t),
         ),
         "vdna_map_count": (path, POINTER(Error), POINTER(c_uint32)),
         "vdna_map_open": (

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from ctypes import c_uint32
-from typing import Any, List, Optional, Tuple, Union
+from ctypes import c_size_t, c_uint32, c_void_p, string_at
+from typing import Any, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import UINT32_MAX, floats, integer, integers, shaped, view
-from ._library import Error, ExperienceFile, HistView, lib
+from ._library import Error, ExperienceFile, HistView, Status, VdnaError, lib
 from .histogram import HistogramView, view_of
 from .identity import NAME_SIZE, Identity, identity_fields, text_field
 
@@ -19,6 +19,9 @@ PLACE_NONE = -(2**63)
 
 #: Bytes of `order`, its NUL included.
 ORDER_SIZE = 32
+
+#: Bytes of `source`, its NUL included.
+SOURCE_SIZE = 128
 
 Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
 
@@ -58,6 +61,8 @@ class Experience:
     _projection: Optional[NDArray[np.float32]]
     _last_layer: Optional[NDArray[np.int8]]
     _last_layer_scale: Optional[NDArray[np.float32]]
+    _thumbnails: Optional[NDArray[np.uint8]]
+    _thumbnail_end: Optional[NDArray[np.uint32]]
 
     def __init__(
         self,
@@ -79,6 +84,8 @@ class Experience:
         embedding: str = "",
         last_layer: Optional[ArrayLike] = None,
         projection: Optional[ArrayLike] = None,
+        source: str = "",
+        thumbnails: Optional[Sequence[Optional[bytes]]] = None,
     ) -> None:
         """An experience to write(). Arrays of the stated dtypes are not copied.
 
@@ -105,6 +112,9 @@ class Experience:
                     network's last layer; the file has 8-bit codes with a scale for each frame
         projection: float32 [dim][raw_dim], directions of which `embeddings` are the coordinates, as
                     Identity.project() of this experience's identity gives them
+        source: what it was made from, for people: at most 127 printable ASCII characters
+        thumbnails: [frames], a small JPEG file of each frame, of at most 4096 bytes; None or b"": this
+                    frame has none
         """
         self._histogram = histogram
         self._embeddings = shaped(floats(embeddings, "embeddings"), ("frames", "dim"), "embeddings")
@@ -128,6 +138,15 @@ class Experience:
         if last_layer is not None:
             values = shaped(floats(last_layer, "last_layer"), (frames, "numbers"), "last_layer")
             self._last_layer, self._last_layer_scale = encoded(values)
+
+        self._thumbnails = self._thumbnail_end = None
+        if thumbnails is not None:
+            if len(thumbnails) != frames:
+                raise ValueError(f"{len(thumbnails)} thumbnails, expected {frames}, one for each frame")
+            files = [jpeg or b"" for jpeg in thumbnails]
+            if any(files):
+                self._thumbnails = np.frombuffer(b"".join(files), np.uint8)
+                self._thumbnail_end = np.cumsum([len(jpeg) for jpeg in files]).astype(np.uint32)
 
         dna = view_of(histogram)
         self._owner = None
@@ -159,6 +178,10 @@ class Experience:
             last_layer=_address(self._last_layer),
             last_layer_scale=_address(self._last_layer_scale),
             last_layer_dim=0 if self._last_layer is None else self._last_layer.shape[1],
+            thumbnails=_address(self._thumbnails),
+            thumbnail_end=_address(self._thumbnail_end),
+            thumbnail_bytes=0 if self._thumbnails is None else len(self._thumbnails),
+            source=text_field(source, "source", SOURCE_SIZE),
         )
 
     @classmethod
@@ -316,6 +339,24 @@ class Experience:
     def order(self) -> str:
         """What ordered the frames, such as "utime" or "numbers"; "" if that is not known."""
         return str(self._file.order.decode())
+
+    @property
+    def source(self) -> str:
+        """What it was made from, for people; "" if that is not known."""
+        return str(self._file.source.decode())
+
+    def thumbnail(self, frame: int) -> Optional[bytes]:
+        """The small JPEG file of a frame; None if it has none. Nobody has decoded it yet."""
+        if not 0 <= frame < self.frames:
+            raise IndexError(f"frame {frame}, expected 0 to {self.frames - 1}")
+        jpeg, size = c_void_p(), c_size_t()
+        try:
+            lib.vdna_experience_thumbnail(self._file, frame, jpeg, size)
+        except VdnaError as error:
+            if error.status != Status.EMPTY:
+                raise
+            return None
+        return string_at(jpeg.value or 0, size.value)
 
 
 def encoded(values: NDArray[np.float32]) -> Tuple[NDArray[np.int8], NDArray[np.float32]]:

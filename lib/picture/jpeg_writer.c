@@ -6,8 +6,6 @@
 
 #include <jpeglib.h>
 
-#define QUALITY 80
-
 typedef struct jpeg_writer {
     struct jpeg_compress_struct jpeg;
     struct jpeg_error_mgr errors;
@@ -33,7 +31,7 @@ static J_COLOR_SPACE colours_of(const vdna_pixels *pixels)
     return red_first ? JCS_EXT_RGBX : JCS_EXT_BGRX;
 }
 
-static void write_picture(jpeg_writer *writer, const vdna_pixels *pixels)
+static void write_picture(jpeg_writer *writer, const vdna_pixels *pixels, int quality, int small)
 {
     struct jpeg_compress_struct *jpeg = &writer->jpeg;
     jpeg_create_compress(jpeg);
@@ -43,7 +41,8 @@ static void write_picture(jpeg_writer *writer, const vdna_pixels *pixels)
     jpeg->input_components = (int)pixels->channels;
     jpeg->in_color_space = colours_of(pixels);
     jpeg_set_defaults(jpeg);
-    jpeg_set_quality(jpeg, QUALITY, TRUE);
+    jpeg_set_quality(jpeg, quality, TRUE);
+    jpeg->optimize_coding = small ? TRUE : FALSE;
     jpeg_start_compress(jpeg, TRUE);
     while (jpeg->next_scanline < jpeg->image_height) {
         /* libjpeg only reads it. */
@@ -54,7 +53,8 @@ static void write_picture(jpeg_writer *writer, const vdna_pixels *pixels)
 }
 
 /* see jpeg_writer.h */
-int vdna_jpeg_write(const vdna_pixels *pixels, uint8_t **out_data, size_t *out_size)
+int vdna_jpeg_write(const vdna_pixels *pixels, int quality, int small, uint8_t **out_data,
+                    size_t *out_size)
 {
     jpeg_writer writer = {.data = NULL};
     writer.jpeg.err = jpeg_std_error(&writer.errors);
@@ -66,7 +66,7 @@ int vdna_jpeg_write(const vdna_pixels *pixels, uint8_t **out_data, size_t *out_s
         free(writer.data);
         return 0;
     }
-    write_picture(&writer, pixels);
+    write_picture(&writer, pixels, quality, small);
     jpeg_destroy_compress(&writer.jpeg);
     *out_data = writer.data;
     *out_size = writer.size;

@@ -1,0 +1,25 @@
+#include "record/thumbnails.hpp"
+
+#include <vdna/cpp/error.hpp>
+#include <vdna/map.h>
+
+namespace vdna::record
+{
+
+Thumbnails::Thumbnails() : decoder_(nullptr, vdna_decoder_close)
+{
+    vdna_decoder *decoder = nullptr;
+    vdna_error error{};
+    require(vdna_decoder_open(VDNA_IMAGE_PIXELS_MAX, &error, &decoder), error);
+    decoder_.reset(decoder);
+}
+
+std::string Thumbnails::of(const frames::Frame &frame)
+{
+    vdna_pixels pixels;
+    vdna_error error{};
+    require(vdna_decoder_decode(decoder_.get(), &frame.image, &error, &pixels), error);
+    return picture::jpeg_within(shrinker_.shrink(pixels), VDNA_THUMBNAIL_MAX);
+}
+
+} // namespace vdna::record
