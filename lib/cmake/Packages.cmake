@@ -131,6 +131,18 @@ function(vdna_package component page)
   install(FILES "${VDNA_MADE}/_${name}" DESTINATION share/zsh/vendor-completions ${options})
 endfunction()
 
+# The pages of docs/ but those about the inside, as they are.
+foreach(component IN ITEMS daemon tool)
+  string(TOUPPER ${component} upper)
+  if(VDNA_APPS)
+    install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs/"
+      DESTINATION "share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME}"
+      COMPONENT ${component} EXCLUDE_FROM_ALL
+      FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.jpg"
+      PATTERN internals EXCLUDE PATTERN man EXCLUDE)
+  endif()
+endforeach()
+
 if(VDNA_APPS)
   vdna_package(tool vdna.1)
   vdna_package(serve vdna_serve.1)
