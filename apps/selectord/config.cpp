@@ -284,7 +284,7 @@ void read_setting(const std::string &path, const Setting &setting, const toml::n
     if (const auto *member = std::get_if<std::string Config::*>(&setting.member))
         if (std::string &text = config.**member; is_path(setting, text)) {
             text = resolved(path, setting, text);
-            if (text.size() > path_max)
+            if (!is_within(setting, static_cast<double>(text.size())))
                 fail(path, node.source().begin,
                      std::string("[") + setting.section + "] " + setting.key + " has " +
                          std::to_string(text.size()) + " bytes with the folder of this file, " +
