@@ -230,8 +230,8 @@ void add_dataset_options(CLI::App &command, EvalOptions &o)
     command
         .add_option("--format,--protocol", o.format,
                     "folders (labels.csv in each), manifest (manifest.csv), nordland, parks (like "
-                    "folders, with 45 s of warmup and GPS), utm (positions in picture names); "
-                    "default: auto-detected (parks must be named)")
+                    "folders, with 45 s of warmup and GPS), utm (positions in picture names) "
+                    "(default: auto-detected; parks must be named)")
         ->check(CLI::IsMember(frames::dataset_formats))
         ->type_name("NAME");
     command

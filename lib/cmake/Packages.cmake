@@ -149,8 +149,11 @@ if(VDNA_APPS)
   vdna_package(daemon vdna_selectord.8)
   install(FILES "${PROJECT_SOURCE_DIR}/apps/selectord/vdna_selectord.service"
     DESTINATION lib/systemd/system COMPONENT daemon EXCLUDE_FROM_ALL)
-  # Settings that the user changes, and an upgrade keeps. The prefix is /usr.
-  install(FILES "${VDNA_MADE}/vdna.toml" DESTINATION ../etc/vdna COMPONENT daemon EXCLUDE_FROM_ALL)
+  # Settings that the user changes, and an upgrade keeps; outside of the prefix, so in a package only.
+  install(CODE "
+    if(CMAKE_INSTALL_PREFIX MATCHES \"/_CPack_Packages/\")
+      file(INSTALL \"${VDNA_MADE}/vdna.toml\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/../etc/vdna\")
+    endif()" COMPONENT daemon EXCLUDE_FROM_ALL)
   file(WRITE "${made}/conffiles" "/etc/vdna/vdna.toml\n")
   list(APPEND CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA "${made}/conffiles")
 endif()

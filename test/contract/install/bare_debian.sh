@@ -87,12 +87,15 @@ boot()
         exec unshare --mount --pid --uts --ipc --net --cgroup --fork --kill-child sh -euc "$inner" sh "$root"
     ' sh "$group" "$root" $(hierarchies) &
     child=$!
-    trap 'kill "$child"' TERM INT
+    trap 'kill -KILL "$child" 2>/dev/null || :' TERM INT # unshare heeds no other
     status=0
     wait "$child" || status=$?
     wait "$child" || :
+    # The kernel ends the last processes in its own time.
     for hierarchy in $(hierarchies); do
-        find "$hierarchy/$group" -depth -type d -exec rmdir {} +
+        until find "$hierarchy/$group" -depth -type d -exec rmdir {} + 2>/dev/null; do
+            sleep 0.1
+        done
     done
     return "$status"
 }
@@ -103,17 +106,27 @@ inner='
     ip route add 224.0.0.0/4 dev lo
     mount --bind "$root" "$root"
     mount -t proc proc "$root/proc"
-    mount -t sysfs sysfs "$root/sys"
+    # Settings of the kernel and devices are this machine too: systemd may change none.
+    mount --bind "$root/proc/sys" "$root/proc/sys"
+    mount -o remount,bind,ro "$root/proc/sys"
+    mount -t sysfs -o ro sysfs "$root/sys"
     mount -t tmpfs tmpfs "$root/run"
     mount -t tmpfs tmpfs "$root/tmp"
     mount -t tmpfs tmpfs "$root/dev"
-    mkdir "$root/dev/shm"
-    for device in null zero full random urandom tty; do
-        touch "$root/dev/$device"
-        mount --bind "/dev/$device" "$root/dev/$device"
-    done
-    touch "$root/dev/console"
-    mount --bind /dev/null "$root/dev/console"
+    mkdir "$root/dev/shm" "$root/dev/pts"
+    mount -t devpts -o newinstance,ptmxmode=666 devpts "$root/dev/pts"
+    ln -s pts/ptmx "$root/dev/ptmx"
+    while read -r device major minor; do
+        mknod -m 666 "$root/dev/$device" c "$major" "$minor"
+    done <<END
+null 1 3
+zero 1 5
+full 1 7
+random 1 8
+urandom 1 9
+tty 5 0
+console 1 3
+END
     if [ -e /sys/fs/cgroup/cgroup.procs ]; then
         mount -t cgroup2 cgroup2 "$root/sys/fs/cgroup"
     else

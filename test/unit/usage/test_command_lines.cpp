@@ -64,7 +64,7 @@ void check_argument(const Command &command, const Argument &argument)
     expect(argument.about.find("; default:") == std::string::npos, where, "'(default: ...)'");
     for (const char *unnamed : {"TEXT", "INT", "UINT", "FLOAT"})
         expect(argument.type != unnamed, where, "type_name() to say what the value is");
-    expect(argument.type.find_first_of("{ :") == std::string::npos, where,
+    expect(argument.type.find_first_of("{ ") == std::string::npos, where,
            "a name for the value: check(...).description(\"\")");
     if (!is_option)
         expect(!argument.type.empty() && std::isupper(argument.names.front()[0]), where,
