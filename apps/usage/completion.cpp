@@ -22,6 +22,15 @@ constexpr const char *bash_networks = R"sh(
     done
 )sh";
 
+constexpr const char *zsh_networks = R"sh(
+    local folder
+    local -a networks
+    for folder in "$VDNA_MODELS" "${commands[%s]:h}/../share/vdna/models"; do
+        networks+=("$folder"/*.toml(N:t:r))
+    done
+    compadd -a networks
+)sh";
+
 // What is under the cursor: --option=value is three words to bash.
 constexpr const char *bash_begin = R"sh(
     local command=%s current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}
@@ -209,11 +218,11 @@ std::string zsh_function(const std::string &program, const Command &command)
     specifications.insert(specifications.end(),
                           {"':command:->command'", "'*::argument:->argument'"});
     return function_of(command.name) +
-           "()\n{\n    local curcontext=$curcontext state line\n    local -a commands\n"
-           "    commands=(\n" +
+           "()\n{\n    local curcontext=$curcontext state line\n    local -a names\n"
+           "    names=(\n" +
            names + "    )\n    _arguments -C -s -S : \\\n        " +
            joined(specifications, " \\\n        ") +
-           "\n    case $state in\n    command) _describe command commands ;;\n    argument)\n"
+           "\n    case $state in\n    command) _describe command names ;;\n    argument)\n"
            "        case $line[1] in\n" +
            cases + "        esac\n        ;;\n    esac\n}\n\n";
 }
@@ -251,13 +260,9 @@ std::string zsh_completion(const Command &program)
             functions += zsh_function(program.name, command);
     });
     return "#compdef " + program.name + "\n# Completion in zsh; made from the command line of " +
-           program.name + ".\n" + function +
-           "_networks()\n{\n    local -a networks\n"
-           "    networks=(${VDNA_MODELS:+$VDNA_MODELS/*.toml(N:t:r)} "
-           "${commands[" +
-           program.name + "]:h}/../share/vdna/models/*.toml(N:t:r))\n" +
-           "    compadd -a networks\n}\n\n" + functions + zsh_function(program.name, program) +
-           function + " \"$@\"\n";
+           program.name + ".\n" + function + "_networks()\n{" +
+           with(zsh_networks, "%s", program.name) + "}\n\n" + functions +
+           zsh_function(program.name, program) + function + " \"$@\"\n";
 }
 
 } // namespace vdna::usage
