@@ -151,7 +151,7 @@ if(VDNA_APPS)
     DESTINATION lib/systemd/system COMPONENT daemon EXCLUDE_FROM_ALL)
   # Settings that the user changes, and an upgrade keeps; outside of the prefix, so in a package only.
   install(CODE "
-    if(CMAKE_INSTALL_PREFIX MATCHES \"/_CPack_Packages/\")
+    if(\"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\" MATCHES \"/_CPack_Packages/\")
       file(INSTALL \"${VDNA_MADE}/vdna.toml\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/../etc/vdna\")
     endif()" COMPONENT daemon EXCLUDE_FROM_ALL)
   file(WRITE "${made}/conffiles" "/etc/vdna/vdna.toml\n")
