@@ -205,6 +205,8 @@ def manifest_text(text, name, data, original, method):
         if count != 1:
             raise QuantiseError(f"the manifest has '{key}' {count} times before its first section, "
                                 "expected it once")
+    # The numbers of the original are others; `vdna model golden` needs a processor that runs int8.
+    rest = re.sub(r"\n\[golden\].*?(?=\n\[|\Z)", "", rest, flags=re.S)
     comment = re.compile(r"\A(#.*\n)*")
     head = comment.sub(f"# Made by models/quantise.py from {original['name']}.\n", head)
     return (f'{head.rstrip()}\nprecision = "int8"\n\n[quantised]\n'

@@ -85,4 +85,17 @@ Sentence sentence_of(const Choice &choice)
     return sentence;
 }
 
+Sentence sentence_of(const MarginShare &share)
+{
+    Sentence sentence{};
+    if (share.margin_bins == 0) {
+        append(sentence, "%s is as near as %s", share.winner, share.against);
+        return sentence;
+    }
+    append(sentence, "%s is %.2f bins %s than %s: %d of %d neurons make %.0f %% of it",
+           share.winner, std::fabs(share.margin_bins), share.margin_bins > 0 ? "nearer" : "farther",
+           share.against, share.named, share.neurons, 100 * share.named_bins / share.margin_bins);
+    return sentence;
+}
+
 } // namespace vdna::program

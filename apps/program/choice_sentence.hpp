@@ -1,4 +1,5 @@
-// How sure the choice of an experience is, and what would help: one sentence for people.
+// How sure the choice of an experience is, what would help, and why it is this one: sentences for
+// people.
 #pragma once
 
 #include <array>
@@ -26,5 +27,16 @@ using Sentence = std::array<char, 1024>;
 
 // Without a full stop. Allocates nothing.
 Sentence sentence_of(const Choice &choice);
+
+// What the neurons that weigh most make of the margin between two experiences.
+struct MarginShare {
+    const char *winner, *against; // names; borrowed
+    double margin_bins;           // by which the winner is nearer
+    double named_bins;            // of that, of these neurons
+    int named, neurons;           // these, of so many
+};
+
+// "winter is 1.83 bins nearer than night: 10 of 1280 neurons make 31 % of it", likewise.
+Sentence sentence_of(const MarginShare &share);
 
 } // namespace vdna::program

@@ -5,7 +5,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
 
 #include <vdna/cpp/error.hpp>
@@ -26,22 +25,6 @@ namespace
 {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-// Whether the activations that the Visual DNA counts are those of the second embedding.
-bool counts_last_layer(const vdna_experience &e)
-{
-    const char *next = e.identity.taps;
-    vdna_tap tap{};
-    if (!e.last_layer || vdna_taps_next(&next, &tap) != VDNA_OK || *next != '\0' ||
-        tap.samples != 1 || tap.neurons != e.last_layer_dim)
-        return false;
-    const std::string wanted = "last=" + std::string(tap.name, tap.name_length);
-    std::istringstream words(e.identity.embedding);
-    for (std::string word; words >> word;)
-        if (word == wanted)
-            return true;
-    return false;
-}
 
 // The Visual DNA of windows, one after the other, and its distances.
 class Windows
@@ -240,8 +223,9 @@ vdna_trust_tables TrustTables::view() const
 
 WindowDistance distance_of_codes(const Members &experiences)
 {
-    if (!std::all_of(experiences.begin(), experiences.end(),
-                     [](const vdna_experience *e) { return counts_last_layer(*e); }))
+    if (!std::all_of(experiences.begin(), experiences.end(), [](const vdna_experience *e) {
+            return vdna_experience_counts_last_layer(e) != 0;
+        }))
         return [](size_t, uint32_t, uint32_t, size_t) { return unknown; };
     const auto windows = std::make_shared<Windows>(experiences);
     return [windows](size_t run, uint32_t first, uint32_t frames, size_t candidate) {

@@ -149,7 +149,7 @@ Figure key_figure(const std::vector<std::string> &names)
         const Text text{indent, y + 4, names[i]};
         key.items.push_back(dot_at(8, y, series_colour(i, names.size()), ""));
         key.items.push_back(text);
-        key.width = std::max(key.width, indent + text_width(text) + 4);
+        key.width = std::max(key.width, indent + text_room(text) + 4);
     }
     return key;
 }

@@ -93,6 +93,11 @@ double text_width(const Text &text)
     return width / 1000 * text.size * (text.bold ? bold_factor : 1);
 }
 
+double text_room(const Text &text)
+{
+    return 1.15 * text_width(text);
+}
+
 std::string shortened(const std::string &text, size_t most)
 {
     size_t characters = 0, keep = 0;

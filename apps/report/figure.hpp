@@ -96,6 +96,8 @@ Figure arranged(const std::string &name, const std::string &title, const std::ve
 
 // Width of a text in units, as PDF and SVG show it, roughly.
 double text_width(const Text &text);
+// What to leave for it, as other fonts are wider.
+double text_room(const Text &text);
 
 // At most `most` characters of UTF-8, the last of them "…" if there were more.
 std::string shortened(const std::string &text, size_t most);

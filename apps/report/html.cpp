@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "program/print.hpp"
+#include "report/figure.hpp"
+#include "report/page_style.hpp"
 
 namespace vdna::report
 {
@@ -69,6 +71,29 @@ std::string table(const std::string &caption_html, const std::string &head_html,
 std::string foldable(const std::string &summary_html, bool open, const std::string &html)
 {
     return element(open ? "details open" : "details", element("summary", summary_html) + html) +
+           "\n";
+}
+
+std::string photo_html(const Encoded &picture, const std::string &text)
+{
+    if (picture.bytes.empty())
+        return element("span class=\"gone\"", "this picture cannot be read any more");
+    return "<img class=\"photo\" width=\"" + std::to_string(picture.columns) + "\" height=\"" +
+           std::to_string(picture.rows) + "\" alt=\"" + escaped(text) +
+           "\" src=\"data:image/jpeg;base64," + base64(picture.bytes) + "\">";
+}
+
+std::string page(const std::string &title_text, const std::string &body_html)
+{
+    const std::string head =
+        "<meta charset=\"utf-8\">\n"
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
+        "style-src 'unsafe-inline'\">\n"
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" +
+        text_element("title", title_text) + "\n" + element("style", page_style);
+    return "<!DOCTYPE html>\n" +
+           element("html lang=\"en\"", "\n" + element("head", head) + "\n" +
+                                           element("body", element("main", body_html))) +
            "\n";
 }
 

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "report/picture.hpp"
+
 namespace vdna::report
 {
 
@@ -23,6 +25,12 @@ std::string table(const std::string &caption_html, const std::string &head_html,
 
 // A foldable part of the page.
 std::string foldable(const std::string &summary_html, bool open, const std::string &html);
+
+// A small picture with its size; without bytes, a sentence that there is none any more.
+std::string photo_html(const Encoded &picture, const std::string &text);
+
+// A whole page, which fetches nothing, whatever names it contains.
+std::string page(const std::string &title_text, const std::string &body_html);
 
 // "12.35", or a dash for an undefined number.
 std::string number_text(double value, int digits);

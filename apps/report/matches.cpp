@@ -101,20 +101,11 @@ std::vector<Pair> pairs_of(const eval::Evaluation &evaluation, size_t begin, siz
     return pairs;
 }
 
-std::string picture_html(const Encoded &picture, const std::string &text)
-{
-    if (picture.bytes.empty())
-        return element("span class=\"gone\"", "this picture cannot be read any more");
-    return "<img class=\"photo\" width=\"" + std::to_string(picture.columns) + "\" height=\"" +
-           std::to_string(picture.rows) + "\" alt=\"" + escaped(text) +
-           "\" src=\"data:image/jpeg;base64," + base64(picture.bytes) + "\">";
-}
-
 std::string html_of(const Pair &pair)
 {
     return element(pair.good ? "figure class=\"right\"" : "figure class=\"wrong\"",
-                   element("div class=\"pair\"", picture_html(pair.live, "live frame") +
-                                                     picture_html(pair.map, "map frame")) +
+                   element("div class=\"pair\"", photo_html(pair.live, "live frame") +
+                                                     photo_html(pair.map, "map frame")) +
                        element("figcaption",
                                text_element("b", (pair.good ? "\u2713 right: " : "\u2717 wrong: ") +
                                                      pair.names) +

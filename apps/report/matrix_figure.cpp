@@ -59,7 +59,7 @@ double add_tag(const std::string &word, const Colour &colour, double x, Figure &
 {
     constexpr double y = 18, height = 14;
     const Text text{0, y + 11, word, Anchor::middle, white, true, false, 10};
-    const double width = 1.15 * text_width(text) + 8; // other fonts are wider
+    const double width = text_room(text) + 8;
     figure.items.push_back(Box{x - width, y, width, height, colour});
     figure.items.push_back(text);
     std::get<Text>(figure.items.back()).x = x - width / 2;
@@ -150,7 +150,7 @@ class Legend
         figure_.items.push_back(marks);
         const Text text{20, figure_.height - 4, meaning};
         figure_.items.push_back(text);
-        figure_.width = std::max(figure_.width, 24 + text_width(text));
+        figure_.width = std::max(figure_.width, 24 + text_room(text));
     }
 
   private:

@@ -1,10 +1,12 @@
-// The contribution of each neuron to the distance of Visual DNA.
+// Which neurons make the first choice of Visual DNA another than the second.
 #include <algorithm>
 #include <functional>
 
+#include <vdna/cpp/error.hpp>
+
 #include "eval/placing.hpp"
-#include "program/print.hpp"
 #include "report/chart.hpp"
+#include "report/explanation.hpp"
 #include "report/html.hpp"
 #include "report/sections.hpp"
 #include "report/wording.hpp"
@@ -15,19 +17,19 @@ namespace vdna::report
 namespace
 {
 
-constexpr size_t listed_neurons = 10;
+constexpr uint32_t listed_neurons = 10;
 
-// The nearest and the farthest reference of a query, by Visual DNA.
-struct Extremes {
-    const eval::PairResult *near, *far;
+// The first two of a query, by Visual DNA.
+struct Leaders {
+    const eval::PairResult *winner, *against;
 };
 
-Extremes extremes_of(const eval::Evaluation &evaluation, size_t query)
+Leaders leaders_of(const eval::Evaluation &evaluation, size_t query)
 {
     const std::vector<eval::Place> places =
         eval::predicted_places(evaluation, query, evaluation.methods.front());
-    return {&eval::pair_with(evaluation.queries[query], places.front().reference),
-            &eval::pair_with(evaluation.queries[query], places.back().reference)};
+    return {&eval::pair_with(evaluation.queries[query], places[0].reference),
+            &eval::pair_with(evaluation.queries[query], places[1].reference)};
 }
 
 Curve curve_of(const eval::Evaluation &evaluation, const eval::PairResult &pair)
@@ -39,56 +41,29 @@ Curve curve_of(const eval::Evaluation &evaluation, const eval::PairResult &pair)
 
 Figure chart_of(const eval::Evaluation &evaluation, size_t query)
 {
-    const Extremes extremes = extremes_of(evaluation, query);
-    const Figure chart =
-        curve_chart("neurons, largest contribution first", "EMD, bins",
-                    {curve_of(evaluation, *extremes.near), curve_of(evaluation, *extremes.far)});
-    const Figure key = key_figure({"nearest: " + name_of(evaluation, extremes.near->reference),
-                                   "farthest: " + name_of(evaluation, extremes.far->reference)});
+    const Leaders leaders = leaders_of(evaluation, query);
+    const Figure chart = curve_chart(
+        "neurons, largest EMD first", "EMD, bins",
+        {curve_of(evaluation, *leaders.winner), curve_of(evaluation, *leaders.against)});
+    const Figure key = key_figure({"first: " + name_of(evaluation, leaders.winner->reference),
+                                   "second: " + name_of(evaluation, leaders.against->reference)});
     return arranged("neurons-" + name_of(evaluation, evaluation.queries[query].traversal),
                     chart.title, {chart, key}, chart.width);
 }
 
-// A number with a bar of proportional length.
-std::string bar_cell(double value, double longest)
+std::string explanation_of(const eval::Evaluation &evaluation, size_t query)
 {
-    return element("td class=\"number\"",
-                   program::fixed(value, 1) +
-                       "<svg class=\"bar\" viewBox=\"0 0 100 8\" aria-hidden=\"true\" "
-                       "preserveAspectRatio=\"none\"><rect width=\"" +
-                       program::fixed(longest > 0 ? 100 * value / longest : 0, 1) +
-                       "\" height=\"8\"/></svg>");
-}
-
-// The neurons that best tell the nearest reference from the farthest.
-std::string table_of(const eval::Evaluation &evaluation, const Extremes &extremes)
-{
-    const std::vector<double> &near = extremes.near->neuron_emd_bins;
-    const std::vector<double> &far = extremes.far->neuron_emd_bins;
-    std::vector<size_t> order(near.size());
-    for (size_t i = 0; i < order.size(); i++)
-        order[i] = i;
-    const size_t listed = std::min(order.size(), listed_neurons);
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(listed),
-                      order.end(), [&](size_t a, size_t b) {
-                          const double d = (far[a] - near[a]) - (far[b] - near[b]);
-                          return d != 0 ? d > 0 : a < b;
-                      });
-    order.resize(listed);
-    double longest = 0;
-    for (const size_t i : order)
-        longest = std::max({longest, near[i], far[i]});
-    std::string rows;
-    for (const size_t i : order)
-        rows += element("tr", text_element("th scope=\"row\"", std::to_string(i)) +
-                                  bar_cell(near[i], longest) + bar_cell(far[i], longest));
-    const auto head = [&](const eval::PairResult &pair) {
-        return text_element("th scope=\"col\"", name_of(evaluation, pair.reference) + ", bins");
-    };
-    return table(
-        "Neurons that tell them apart best",
-        element("tr", "<th scope=\"col\">Neuron</th>" + head(*extremes.near) + head(*extremes.far)),
-        rows);
+    if (evaluation.queries[query].pairs.size() < 2)
+        return element("p", "There is one reference only.");
+    const Leaders leaders = leaders_of(evaluation, query);
+    Explainer explainer(evaluation.backbone.identity, listed_neurons);
+    require(explainer.explain(leaders.winner->neuron_emd_bins, leaders.against->neuron_emd_bins),
+            "contributions of neurons");
+    const Explanation explanation{name_of(evaluation, leaders.winner->reference),
+                                  name_of(evaluation, leaders.against->reference), explainer};
+    return text_element("p", sentence_of(explanation)) + charts({chart_of(evaluation, query)}) +
+           reasons_table(explanation) +
+           (explainer.taps().size() > 1 ? taps_table(explanation) : "");
 }
 
 } // namespace
@@ -97,7 +72,8 @@ std::vector<Figure> neuron_figures(const eval::Evaluation &evaluation)
 {
     std::vector<Figure> figures;
     for (size_t q = 0; q < std::min(evaluation.queries.size(), shown_most); q++)
-        figures.push_back(chart_of(evaluation, q));
+        if (evaluation.queries[q].pairs.size() > 1)
+            figures.push_back(chart_of(evaluation, q));
     return figures;
 }
 
@@ -108,8 +84,7 @@ std::string neurons_section(const eval::Evaluation &evaluation)
     for (size_t q = 0; q < shown; q++)
         html += foldable(
             "Query " + text_element("b", name_of(evaluation, evaluation.queries[q].traversal)),
-            q == 0,
-            charts({chart_of(evaluation, q)}) + table_of(evaluation, extremes_of(evaluation, q)));
+            q == 0, explanation_of(evaluation, q));
     return html;
 }
 

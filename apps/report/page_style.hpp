@@ -76,8 +76,10 @@ svg { display: block; width: 100%; height: auto; font-family: inherit; }
 }
 .charts > * { min-width: 0; }
 .charts svg { max-width: 34rem; }
-svg.bar { display: inline-block; width: 5rem; height: .6rem; margin-left: .6rem; }
+.key svg, svg.bar { display: inline-block; width: .7em; }
+svg.bar { width: 5rem; height: .6rem; margin-left: .6rem; }
 .bar rect { fill: var(--bar); }
+.against rect { fill: var(--wrong); }
 .pair { display: flex; gap: 4px; }
 .pair > * { width: 160px; max-width: calc(50% - 2px); height: auto; display: block; }
 .matches figure { border-top: 3px solid #009e73; padding-top: 4px; max-width: 324px; }

@@ -7,7 +7,6 @@
 
 #include "program/print.hpp"
 #include "report/html.hpp"
-#include "report/page_style.hpp"
 #include "report/sections.hpp"
 #include "report/wording.hpp"
 
@@ -110,14 +109,6 @@ std::string making_section(const eval::Evaluation &evaluation, const std::string
 std::string report_of(const eval::Evaluation &evaluation,
                       const std::vector<eval::Ablation> &ablations, const std::string &command_line)
 {
-    // The policy keeps the page from fetching anything, whatever names it contains.
-    const std::string head =
-        "<meta charset=\"utf-8\">\n"
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
-        "style-src 'unsafe-inline'\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" +
-        text_element("title", "Experience selection on " + evaluation.dataset) + "\n" +
-        element("style", page_style);
     // The answer, then pictures, then tables, then words.
     const std::string body = headline(evaluation) + omission(evaluation) +
                              matches_section(evaluation) + matrices_section(evaluation) +
@@ -127,10 +118,7 @@ std::string report_of(const eval::Evaluation &evaluation,
                              neurons_section(evaluation) + ablations_section(ablations) +
                              frames_table(evaluation) + words_section(evaluation) +
                              making_section(evaluation, command_line);
-    return "<!DOCTYPE html>\n" +
-           element("html lang=\"en\"",
-                   "\n" + element("head", head) + "\n" + element("body", element("main", body))) +
-           "\n";
+    return page("Experience selection on " + evaluation.dataset, body);
 }
 
 } // namespace vdna::report

@@ -49,7 +49,7 @@ std::vector<Figure> reselection_figures(const eval::Evaluation &evaluation);
 std::string matches_section(const eval::Evaluation &evaluation);
 std::vector<Figure> match_figures(const eval::Evaluation &evaluation);
 
-// Which neurons tell the references apart.
+// Which neurons tell the first choice from the second.
 std::string neurons_section(const eval::Evaluation &evaluation);
 std::vector<Figure> neuron_figures(const eval::Evaluation &evaluation);
 

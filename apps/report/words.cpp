@@ -57,7 +57,9 @@ std::string words_section(const eval::Evaluation &evaluation)
         "the mean number of histogram bins, of " +
             std::to_string(evaluation.bins) +
             ", by which its activations in the warmup must move to match those of the reference. "
-            "Shown are the nearest and the farthest reference of each query.");
+            "Shown is what tells the first choice of each query from the second: the margin, the "
+            "distance of the second less that of the first, is the sum of what the neurons add, "
+            "above 0 for the first and below 0 for the second.");
     return "<h2>What the words mean</h2>" + element("dl", list);
 }
 

@@ -277,8 +277,10 @@ Outcome Daemon::change_choice(vdna_transport *transport, const vdna_transport_co
     const uint32_t recommended = first(), chosen = vdna_select_chosen(select);
     Outcome outcome = carry_out(*session_, command);
     const bool is_changed = recommended != first() || chosen != vdna_select_chosen(select);
-    if (first() != VDNA_SELECT_NONE && is_changed)
+    if (first() != VDNA_SELECT_NONE && is_changed) {
+        session_->ranking().explain(*select);
         announce_choice(transport, session_->ranking().fill_again(*select));
+    }
     return outcome;
 }
 
@@ -400,20 +402,23 @@ std::optional<vdna_msg_localisation_t> Daemon::use(vdna_transport *transport,
         vdna_select_feed_seen(session_->select(), &live, session_->last_layer_of(seen), &found);
     if (status == VDNA_ERR_LATE)
         return {};
+    const bool is_switch = vdna_select_switches(session_->select()) != switches;
+    const bool is_choice = status == VDNA_OK && (found.newly_ranked || is_switch);
+    if (is_choice)
+        session_->ranking().explain(*session_->select());
     if (const char *fault = session_->fault(); fault[0] != '\0')
         return status == VDNA_OK ? no_position(frame.utime, VDNA_MSG_LOCALISATION_T_FAULT, fault)
                                  : refuse(frame, fault, VDNA_MSG_LOCALISATION_T_FAULT);
     if (status != VDNA_OK)
         return refuse(frame, vdna_status_text(status));
-    (found.newly_ranked ? stages_.rank : stages_.select).add(watch.lap_us());
+    (is_choice ? stages_.rank : stages_.select).add(watch.lap_us());
     window_frames_max_ =
         std::max(window_frames_max_, vdna_select_window_frames(session_->select()));
 
     if (found.restarted)
         problems_.note(program::monotonic_us(), "the warmup began anew, %s",
                        vdna_restart_text(found.restarted));
-    const bool is_switch = vdna_select_switches(session_->select()) != switches;
-    if (found.newly_ranked || is_switch)
+    if (is_choice)
         announce_choice(transport, session_->ranking().fill(*session_->select(), is_switch));
     if (!found.localised)
         return no_position(frame.utime, VDNA_MSG_LOCALISATION_T_WARMING_UP);

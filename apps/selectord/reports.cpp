@@ -22,6 +22,8 @@ namespace vdna::selectord
 namespace
 {
 
+constexpr uint32_t reasons_most = 5; // as ranking_t says
+
 constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 
 // The generated structs have no const members, although publishing changes nothing.
@@ -50,7 +52,8 @@ RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone,
     : trust_(trust), warmup_frames_(static_cast<int>(warmup_frames)),
       experiences_(map.experiences()), names_(experiences_.size()), distances_(experiences_.size()),
       tied_(experiences_.size()), recalls_(experiences_.size()), lows_(experiences_.size()),
-      highs_(experiences_.size()), transfers_(experiences_.size())
+      highs_(experiences_.size()), transfers_(experiences_.size()),
+      explainer_(experiences_.front().identity, reasons_most)
 {
     message_.validity = VDNA_MSG_RANKING_T_VALID;
     message_.backbone = borrow(backbone.identity.backbone);
@@ -71,6 +74,35 @@ RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone,
     message_.transfer = transfers_.data();
     for (size_t i = 0; i < names_.size(); i++)
         names_[i] = borrow(experiences_[i].name);
+    lay_out_reasons();
+}
+
+// Room for as many as there may be, with the longest texts, so that the size is known.
+void RankingReport::lay_out_reasons()
+{
+    const size_t count = experiences_.size() > 1 ? explainer_.reasons().size() : 0;
+    const auto longest =
+        std::max_element(explainer_.taps().begin(), explainer_.taps().end(),
+                         [](const Tap &a, const Tap &b) { return a.name.size() < b.name.size(); });
+    reason_taps_.assign(count, borrow(longest->name.c_str()));
+    for (std::vector<int32_t> *numbers :
+         {&reason_neurons_, &winner_most_, &winner_least_, &runner_up_most_, &runner_up_least_})
+        numbers->resize(count);
+    for (std::vector<double> *numbers :
+         {&reason_bins_, &live_bins_, &winner_bins_, &runner_up_bins_})
+        numbers->resize(count);
+    message_.neurons = static_cast<int32_t>(experiences_.front().identity.neurons);
+    message_.reasons = static_cast<int32_t>(count);
+    message_.reason_tap = reason_taps_.data();
+    message_.reason_neuron = reason_neurons_.data();
+    message_.reason_bins = reason_bins_.data();
+    message_.live_bin = live_bins_.data();
+    message_.winner_bin = winner_bins_.data();
+    message_.runner_up_bin = runner_up_bins_.data();
+    message_.winner_most = winner_most_.data();
+    message_.winner_least = winner_least_.data();
+    message_.runner_up_most = runner_up_most_.data();
+    message_.runner_up_least = runner_up_least_.data();
 }
 
 uint32_t RankingReport::encoded_size() const
@@ -81,7 +113,9 @@ uint32_t RankingReport::encoded_size() const
 
 size_t RankingReport::memory_size() const
 {
-    return names_.size() * (sizeof(char *) + 5 * sizeof(double) + sizeof(int8_t));
+    return names_.size() * (sizeof(char *) + 5 * sizeof(double) + sizeof(int8_t)) +
+           explainer_.memory_size() +
+           reason_taps_.size() * (sizeof(char *) + 5 * sizeof(int32_t) + 4 * sizeof(double));
 }
 
 const vdna_trust_prediction *RankingReport::prediction(const vdna_select &select,
@@ -128,10 +162,40 @@ void RankingReport::fill_entry(const vdna_select &select, size_t at, const vdna_
     transfers_[at] = expected ? expected->transfer : not_known;
 }
 
+void RankingReport::fill_reason(size_t at, const Reason &reason)
+{
+    reason_taps_[at] = borrow(explainer_.taps()[reason.tap].name.c_str());
+    reason_neurons_[at] = static_cast<int32_t>(reason.index);
+    reason_bins_[at] = reason.part.margin_bins;
+    live_bins_[at] = reason.live_bin;
+    winner_bins_[at] = reason.winner_bin;
+    runner_up_bins_[at] = reason.against_bin;
+    winner_most_[at] = reason.of_winner.most;
+    winner_least_[at] = reason.of_winner.least;
+    runner_up_most_[at] = reason.of_against.most;
+    runner_up_least_[at] = reason.of_against.least;
+}
+
+// Files that are cut short under us read as zeros, which do not compare: then there are no reasons.
+void RankingReport::explain(const vdna_select &select)
+{
+    message_.reasons = 0;
+    if (experiences_.size() < 2)
+        return;
+    const vdna_rank_entry *const ranking = vdna_select_ranking(&select, nullptr);
+    vdna_hist_view live{};
+    vdna_select_live(&select, &live);
+    if (explainer_.explain(live, experiences_[ranking[0].candidate],
+                           experiences_[ranking[1].candidate]) != VDNA_OK)
+        return;
+    for (size_t i = 0; i < reason_taps_.size(); i++)
+        fill_reason(i, explainer_.reasons()[i]);
+    message_.reasons = static_cast<int32_t>(reason_taps_.size());
+}
+
 const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select, bool is_switch)
 {
     is_switch_ = is_switch;
-    message_.repeated = 0;
     message_.utime = vdna_select_last_utime(&select);
     message_.window_begin_utime = vdna_select_first_utime(&select);
     message_.window_frames = static_cast<int32_t>(vdna_select_window_frames(&select));
@@ -140,6 +204,7 @@ const vdna_msg_ranking_t &RankingReport::fill(const vdna_select &select, bool is
 
 const vdna_msg_ranking_t &RankingReport::fill_again(const vdna_select &select)
 {
+    message_.repeated = 0;
     message_.margin_bins = vdna_select_margin_bins(&select);
     const vdna_rank_entry *const ranking = vdna_select_ranking(&select, nullptr);
     for (size_t i = 0; i < experiences_.size(); i++)

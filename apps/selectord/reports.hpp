@@ -9,6 +9,7 @@
 #include <vdna_msg_ranking_t.h>
 #include <vdna_msg_status_t.h>
 
+#include <vdna/cpp/explainer.hpp>
 #include <vdna/cpp/map.hpp>
 #include <vdna/cpp/trust.hpp>
 #include <vdna/transport.h>
@@ -43,7 +44,10 @@ class RankingReport
     // Bytes that it holds besides itself.
     size_t memory_size() const;
 
-    // Valid until the next call; `select` has a choice.
+    // Find the neurons that tell the first of the ranking from the second; `select` has just made
+    // a choice.
+    void explain(const vdna_select &select);
+    // Valid until the next call; `select` has a choice, which explain() has seen.
     // is_switch: that replaces another while driving; otherwise a warmup brought it
     const vdna_msg_ranking_t &fill(const vdna_select &select, bool is_switch);
     // The newest of them for those who listen later; `select` still has that choice.
@@ -63,6 +67,8 @@ class RankingReport
   private:
     void fill_trust(const vdna_select &select);
     void fill_sentence(const vdna_select &select);
+    void lay_out_reasons();
+    void fill_reason(size_t at, const Reason &reason);
     void fill_entry(const vdna_select &select, size_t at, const vdna_rank_entry &entry);
 
     const Trust &trust_;
@@ -74,6 +80,11 @@ class RankingReport
     std::vector<double> distances_;
     std::vector<int8_t> tied_;
     std::vector<double> recalls_, lows_, highs_, transfers_;
+    Explainer explainer_;
+    std::vector<char *> reason_taps_;
+    std::vector<int32_t> reason_neurons_, winner_most_, winner_least_, runner_up_most_,
+        runner_up_least_;
+    std::vector<double> reason_bins_, live_bins_, winner_bins_, runner_up_bins_;
     vdna_msg_ranking_t message_{};
 };
 

@@ -1,7 +1,5 @@
 #include "selectord/start_check.hpp"
 
-#include <array>
-#include <cstdint>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -9,31 +7,18 @@
 
 #include <vdna/cpp/error.hpp>
 
+#include "backbone/test_picture.hpp"
+
 namespace vdna::selectord
 {
 
 namespace
 {
 
-// Small enough for any limit of pixels that is of use.
-constexpr uint32_t side = 16;
-using Pixels = std::array<uint8_t, size_t{side} * side>;
-
-// A dark slope with a step: what frames look like to a network, but no picture of its own.
-Pixels picture()
-{
-    Pixels pixels{};
-    for (uint32_t y = 0; y < side; y++)
-        for (uint32_t x = 0; x < side; x++)
-            pixels[y * side + x] = static_cast<uint8_t>(4 * x + y + (x > y ? 20 : 0));
-    return pixels;
-}
-
 // All numbers of a run, embedding first; none if the picture could not be run.
 std::optional<std::vector<float>> run(const Backbone &backbone)
 {
-    const auto pixels = picture();
-    const vdna_image image{pixels.data(), pixels.size(), side, side, 0, VDNA_PIXEL_GREY};
+    const vdna_image image = backbone::test_picture();
     vdna_backbone_frame frame;
     vdna_error error{};
     const vdna_status status = vdna_backbone_run(backbone.get(), &image, &error, &frame);

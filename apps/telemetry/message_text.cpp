@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <numeric>
 #include <string_view>
 
 #include <vdna_messages.h>
@@ -159,7 +160,41 @@ program::Choice choice_of(const vdna_msg_ranking_t &message)
             message.skill};
 }
 
-// Two lines about the ranking as a whole, then one line per experience.
+// By how much the first entry is nearer than the second, and one line per neuron of that.
+std::string reasons_text(const vdna_msg_ranking_t &message)
+{
+    const double named =
+        std::accumulate(message.reason_bins, message.reason_bins + message.reasons, 0.0);
+    const program::MarginShare share{message.experience[0], message.experience[1],
+                                     message.margin_bins,   named,
+                                     message.reasons,       message.neurons};
+    std::string text = format("\n             %s", program::sentence_of(share).data());
+    for (int32_t i = 0; i < message.reasons; i++)
+        text +=
+            format("\n             %s %d: %+.4f bins, mean bin live %.1f, first %.1f, second %.1f",
+                   message.reason_tap[i], message.reason_neuron[i], message.reason_bins[i],
+                   message.live_bin[i], message.winner_bin[i], message.runner_up_bin[i]);
+    return text;
+}
+
+nlohmann::ordered_json reasons_json(const vdna_msg_ranking_t &message)
+{
+    nlohmann::ordered_json reasons = nlohmann::ordered_json::array();
+    for (int32_t i = 0; i < message.reasons; i++)
+        reasons.push_back({{"tap", message.reason_tap[i]},
+                           {"neuron", message.reason_neuron[i]},
+                           {"bins", message.reason_bins[i]},
+                           {"live_bin", message.live_bin[i]},
+                           {"winner_bin", message.winner_bin[i]},
+                           {"runner_up_bin", message.runner_up_bin[i]},
+                           {"winner_most", message.winner_most[i]},
+                           {"winner_least", message.winner_least[i]},
+                           {"runner_up_most", message.runner_up_most[i]},
+                           {"runner_up_least", message.runner_up_least[i]}});
+    return reasons;
+}
+
+// Two lines about the ranking as a whole, then one line per experience, then why.
 std::string text_of(const vdna_msg_ranking_t &message)
 {
     std::string text =
@@ -174,7 +209,7 @@ std::string text_of(const vdna_msg_ranking_t &message)
                        message.distance_bins[i], message.tied[i] ? "  tied" : "") +
                 prediction_text(message.predicted_recall[i], message.predicted_low[i],
                                 message.predicted_high[i]);
-    return text;
+    return message.reasons > 0 && message.count > 1 ? text + reasons_text(message) : text;
 }
 
 // One line.
@@ -281,6 +316,8 @@ nlohmann::ordered_json json_of(const vdna_msg_ranking_t &message)
             {"skill", message.skill},
             {"settled_frames", message.settled_frames},
             {"previous", message.previous},
+            {"neurons", message.neurons},
+            {"reasons", reasons_json(message)},
             {"ranking", entries}};
 }
 

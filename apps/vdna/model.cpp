@@ -1,7 +1,10 @@
-// vdna model - compares two precisions of a network, and writes the inputs of a network.
+// vdna model - compares two precisions of a network, writes the inputs of a network, and prints the
+// golden numbers for its manifest.
 #include <algorithm>
 #include <cstring>
 
+#include "backbone/golden.hpp"
+#include "backbone/test_picture.hpp"
 #include "eval/evaluate.hpp"
 #include "eval/precision_change.hpp"
 #include "frames/camera_image.hpp"
@@ -284,6 +287,16 @@ void write_inputs(InputsOptions o)
     std::cout << o.npy << ": " << pictures << " pictures\n";
 }
 
+void print_golden(const NetworkOptions &o)
+{
+    const Backbone network(o.backbone, o.threads);
+    const vdna_image picture = backbone::test_picture();
+    vdna_error error{};
+    vdna_backbone_frame frame;
+    require(vdna_backbone_run(network.get(), &picture, &error, &frame), error);
+    std::cout << backbone::golden_text(frame);
+}
+
 void add_check(CLI::App &app)
 {
     CLI::App *command =
@@ -340,17 +353,38 @@ void add_inputs(CLI::App &app)
     command->callback([o] { write_inputs(*o); });
 }
 
+void add_golden(CLI::App &app)
+{
+    CLI::App *command = app.add_subcommand(
+        "golden", "Print a network's numbers for a test picture, for its manifest");
+    const auto o = std::make_shared<NetworkOptions>();
+    command->add_option("NETWORK", o->backbone, "name of a manifest, or path of a .toml")
+        ->type_name("NETWORK|PATH")
+        ->required();
+    add_threads_option(*command, o->threads);
+    command->footer(
+        "A network whose manifest has them is refused wherever it gives others: with another file, "
+        "other preprocessing, or on a processor that computes wrongly. Compare the network with "
+        "its "
+        "original first, then append them.\n\n"
+        "Examples:\n"
+        "  vdna model golden my/network.toml >golden.txt && cat golden.txt >>my/network.toml");
+    command->callback([o] { print_golden(*o); });
+}
+
 } // namespace
 
 void add_model(CLI::App &app)
 {
     CLI::App *command = app.add_subcommand(
         "model",
-        "Compare a network with one of another precision, and prepare pictures for networks");
+        "Compare a network with one of another precision, prepare pictures for networks, and "
+        "print known numbers");
     command->require_subcommand(1);
     command->footer("Examples:\n"
                     "  vdna model check efficientnet_lite0 my/efficientnet_lite0_int8.toml runs/");
     add_check(*command);
+    add_golden(*command);
     add_inputs(*command);
 }
 

@@ -125,7 +125,7 @@ void add_simulate(CLI::App &app)
     command->footer("Examples:\n"
                     "  vdna simulate winter/ --condition winter\n"
                     "  vdna simulate live/ --condition spring --variation 0.6 --drive 2\n"
-                    "  vdna simulate docs/conditions.jpg --sheet --frames 5 --start 12 --step 31 "
+                    "  vdna simulate conditions.jpg --sheet --frames 5 --start 12 --step 31 "
                     "--size 160x120 --quality 80");
     command->callback([arguments] { simulate(*arguments); });
 }

@@ -54,9 +54,11 @@ class Reader
     std::string precision(const toml::table &root) const;
     std::string quantised_from(const toml::table &root) const;
     Embedding embedding(const toml::table &table) const;
-    Embedding papers_embedding(const toml::table &root) const;
+    void change_to_papers(const toml::table &table, Manifest &manifest) const;
     Grid grid(const toml::node &node) const;
     uint32_t dims(const toml::table &table) const;
+    Golden golden(const toml::table &table, const Manifest &manifest) const;
+    std::vector<double> part_means(const toml::node &node) const;
 
     void allow_only(const toml::table &table, Keys keys) const;
     const toml::node &need(const toml::table &table, std::string_view key,
@@ -296,11 +298,11 @@ Embedding Reader::embedding(const toml::table &table) const
     return embedding;
 }
 
-// As in the paper, one layer serves both: frames are localised by the last one.
-Embedding Reader::papers_embedding(const toml::table &root) const
+// As in the paper, one layer serves both: frames are localised by the last one. Golden numbers of
+// what they would be localised by otherwise say nothing then.
+void Reader::change_to_papers(const toml::table &table, Manifest &manifest) const
 {
-    const toml::table &table = section(root, "embedding");
-    const Embedding ours = embedding(table);
+    const Embedding ours = manifest.embedding;
     if (ours.grid && ours.last_layer.empty())
         refuse(table.source(), "protocol 'paper' localises by the last layer; name its output, "
                                "'last_layer = ...'");
@@ -308,14 +310,56 @@ Embedding Reader::papers_embedding(const toml::table &root) const
     whole.output = ours.last_layer.empty() ? ours.output : ours.last_layer;
     whole.l2_normalise = ours.l2_normalise;
     whole.int8 = ours.int8;
-    return whole;
+    manifest.embedding = whole;
+    if (manifest.golden)
+        manifest.golden->embedding = manifest.golden->last_layer = {};
+}
+
+std::vector<double> Reader::part_means(const toml::node &node) const
+{
+    const toml::array *const list = node.as_array();
+    std::vector<double> means;
+    if (list && list->size() <= Golden::parts_max)
+        for (const toml::node &element : *list)
+            means.push_back(element.is_number() ? element.value_or(double{NAN}) : NAN);
+    const auto finite = [](double mean) { return std::isfinite(mean); };
+    if (means.empty() || !std::all_of(means.begin(), means.end(), finite))
+        refuse(node.source(), "a list of 1 to " + std::to_string(Golden::parts_max) +
+                                  " numbers was expected, as `vdna model golden` prints them");
+    return means;
+}
+
+Golden Reader::golden(const toml::table &table, const Manifest &manifest) const
+{
+    allow_only(table, {"tolerance", "taps", "embedding", "last_layer"});
+    Golden golden{};
+    const std::string expected = "a number above 0 and below 1";
+    const toml::node &tolerance = need(table, "tolerance", expected);
+    golden.tolerance = tolerance.is_number() ? tolerance.value_or(0.0) : 0.0;
+    if (!(golden.tolerance > 0 && golden.tolerance < 1))
+        refuse(tolerance.source(), "'tolerance' must be " + expected);
+
+    const std::string lists =
+        std::to_string(manifest.taps.size()) + " lists, one for each [[taps]]";
+    const toml::node &taps = need(table, "taps", lists);
+    if (!taps.is_array() || taps.as_array()->size() != manifest.taps.size())
+        refuse(taps.source(), "'taps' must be " + lists);
+    for (const toml::node &tap : *taps.as_array())
+        golden.taps.push_back(part_means(tap));
+    golden.embedding = part_means(need(table, "embedding", "a list of numbers"));
+    if (!manifest.embedding.last_layer.empty())
+        golden.last_layer = part_means(need(table, "last_layer", "a list of numbers"));
+    else if (table.contains("last_layer"))
+        refuse(table.get("last_layer")->source(), "'last_layer' is not in [embedding]; remove it");
+    return golden;
 }
 
 Manifest Reader::manifest(const toml::table &root) const
 {
     allow_only(root, {"name", "model", "sha256", "source", "licence", "precision", "quantised",
-                      "protocol", "input", "taps", "embedding"});
+                      "protocol", "input", "taps", "embedding", "golden"});
     Manifest manifest{};
+    manifest.file = file_;
     manifest.name = plain_name(root, "name");
     manifest.model = file_.parent_path() / text(root, "model");
     manifest.sha256 = hash(root, "sha256");
@@ -327,10 +371,14 @@ Manifest Reader::manifest(const toml::table &root) const
     manifest.input = input(section(root, "input"));
     manifest.taps = taps(root);
 
-    const bool is_papers = root.contains("protocol");
-    if (is_papers)
+    const toml::table &localised_by = section(root, "embedding");
+    manifest.embedding = embedding(localised_by);
+    if (root.contains("golden"))
+        manifest.golden = golden(section(root, "golden"), manifest);
+    if (root.contains("protocol")) {
         choice(root, "protocol", {"paper"});
-    manifest.embedding = is_papers ? papers_embedding(root) : embedding(section(root, "embedding"));
+        change_to_papers(localised_by, manifest);
+    }
     return manifest;
 }
 

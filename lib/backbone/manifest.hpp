@@ -49,7 +49,18 @@ struct Embedding {
     std::string last_layer;   // output of the second embedding; "" = none
 };
 
+// What the network gives for the test picture of golden.hpp: of each output the means of as many
+// equal parts as a list has numbers, all finite.
+struct Golden {
+    double tolerance; // 0..1 without both, of a list's greatest absolute number
+    std::vector<std::vector<double>> taps;     // one list, not empty, for each tap
+    std::vector<double> embedding, last_layer; // empty: not compared
+
+    static constexpr size_t parts_max = 64;
+};
+
 struct Manifest {
+    std::filesystem::path file; // it was read from
     std::string name;
     std::filesystem::path model;
     std::string sha256;         // of the model file: 64 lower-case hexadecimal digits
@@ -58,6 +69,7 @@ struct Manifest {
     Input input;
     std::vector<TappedOutput> taps; // >= 1, all different
     Embedding embedding;
+    std::optional<Golden> golden; // none: not known
 };
 
 // Read and check a manifest. Throws Failure with "FILE:LINE: ..." and what was expected.

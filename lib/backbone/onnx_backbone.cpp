@@ -13,6 +13,7 @@
 #include <vdna/picture.h>
 
 #include "failure.hpp"
+#include "golden.hpp"
 #include "grid_means.hpp"
 #include "manifest.hpp"
 #include "manifest_path.hpp"
@@ -23,6 +24,7 @@
 #include "processor.hpp"
 #include "runtime.hpp"
 #include "session.hpp"
+#include "test_picture.hpp"
 
 namespace vdna::backbone
 {
@@ -210,12 +212,49 @@ OnnxBackbone &of(void *state)
     return *static_cast<OnnxBackbone *>(state);
 }
 
+vdna_backbone_frame run(OnnxBackbone &backbone, picture::Decoder &decoder, const vdna_image &image)
+{
+    const auto begin = Clock::now();
+    const vdna_pixels pixels = decoder.decode(image);
+    const float grey = picture::mean_grey(pixels);
+    vdna_health_picture health{};
+    vdna_health_measure(&pixels, &health); // cannot fail: a decoded picture has pixels
+    const auto decoded = Clock::now();
+    backbone.preprocessor.run(pixels, backbone.session.input());
+    const auto resized = Clock::now();
+    infer(backbone);
+    const auto inferred = Clock::now();
+
+    return {backbone.taps.data(),
+            backbone.embedding.data(),
+            backbone.session.input(),
+            backbone.taps.size(),
+            backbone.info.identity.dim,
+            grey,
+            elapsed_us(begin, decoded),
+            elapsed_us(decoded, resized),
+            elapsed_us(resized, inferred),
+            backbone.info.last_layer_dim,
+            backbone.session.last_layer().values,
+            health};
+}
+
+// With a decoder of its own: pictures of cameras may be limited to less.
+void require_golden(OnnxBackbone &backbone, const Manifest &manifest)
+{
+    const vdna_image image = test_picture();
+    picture::Decoder decoder(image.width * image.height);
+    require_golden(manifest, run(backbone, decoder, image));
+}
+
 vdna_status open_onnx(const vdna_backbone_config *config, vdna_error *error, void **out_state)
 {
     return fail::guarded(error, [&] {
         const Manifest manifest = read_manifest(find_manifest(config->manifest));
         require_processor(manifest);
-        *out_state = new OnnxBackbone(manifest, *config);
+        auto backbone = std::make_unique<OnnxBackbone>(manifest, *config);
+        require_golden(*backbone, manifest);
+        *out_state = backbone.release();
     });
 }
 
@@ -233,31 +272,7 @@ vdna_status run_onnx(void *state, const vdna_image *image, vdna_error *error,
                      vdna_backbone_frame *out_frame)
 {
     OnnxBackbone &backbone = of(state);
-    return fail::guarded(error, [&] {
-        const auto begin = Clock::now();
-        const vdna_pixels pixels = backbone.decoder.decode(*image);
-        const float grey = picture::mean_grey(pixels);
-        vdna_health_picture health{};
-        vdna_health_measure(&pixels, &health); // cannot fail: a decoded picture has pixels
-        const auto decoded = Clock::now();
-        backbone.preprocessor.run(pixels, backbone.session.input());
-        const auto resized = Clock::now();
-        infer(backbone);
-        const auto inferred = Clock::now();
-
-        *out_frame = {backbone.taps.data(),
-                      backbone.embedding.data(),
-                      backbone.session.input(),
-                      backbone.taps.size(),
-                      backbone.info.identity.dim,
-                      grey,
-                      elapsed_us(begin, decoded),
-                      elapsed_us(decoded, resized),
-                      elapsed_us(resized, inferred),
-                      backbone.info.last_layer_dim,
-                      backbone.session.last_layer().values,
-                      health};
-    });
+    return fail::guarded(error, [&] { *out_frame = run(backbone, backbone.decoder, *image); });
 }
 
 void cancel_onnx(void *state)

@@ -248,3 +248,18 @@ vdna_status vdna_hist_view_check_pair(const vdna_hist_view *p, const vdna_hist_v
             return VDNA_ERR_EMPTY;
     return VDNA_OK;
 }
+
+/* see vdna/hist.h */
+vdna_status vdna_hist_view_mean(const vdna_hist_view *view, uint32_t neuron, double *out_bin)
+{
+    if (!is_view(view) || neuron >= view->neurons || !out_bin)
+        return VDNA_ERR_ARG;
+    if (view->mass[neuron] == 0)
+        return VDNA_ERR_EMPTY;
+
+    uint64_t sum = 0; /* below 2^48: the mass times the bins */
+    for (uint32_t b = 0; b < view->bins; b++)
+        sum += (uint64_t)b * view->counts[(size_t)b * view->neurons + neuron];
+    *out_bin = (double)sum / view->mass[neuron];
+    return VDNA_OK;
+}

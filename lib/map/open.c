@@ -236,3 +236,28 @@ vdna_status vdna_experience_thumbnail(const vdna_experience *experience, uint32_
     *out_size = end - begin;
     return VDNA_OK;
 }
+
+/* Whether the definition of an embedding, in words, has the word "last=NAME". */
+static int names_last_layer(const char *embedding, const vdna_tap *tap)
+{
+    static const char key[] = " last=";
+    const char *const found = strstr(embedding, key);
+    const char *const name = found ? found + sizeof key - 1 : "";
+    if (strncmp(name, tap->name, tap->name_length) != 0)
+        return 0;
+    return name[tap->name_length] == '\0' || name[tap->name_length] == ' ';
+}
+
+/* see vdna/map.h */
+uint32_t vdna_experience_counts_last_layer(const vdna_experience *experience)
+{
+    if (!experience || !experience->last_layer)
+        return 0;
+    const vdna_identity *const identity = &experience->identity;
+    const char *rest = identity->taps;
+    vdna_tap tap;
+    if (vdna_taps_next(&rest, &tap) != VDNA_OK || *rest != '\0')
+        return 0;
+    return tap.samples == 1 && tap.neurons == experience->last_layer_dim &&
+           names_last_layer(identity->embedding, &tap);
+}

@@ -64,8 +64,8 @@ def health(context, width, height):
 
 
 def resizing_by(context, manifest, rule):
-    """The manifest with another interpolation."""
-    text = manifest.read_text(encoding="utf-8")
+    """The manifest with another interpolation, which its known numbers would refuse."""
+    text = manifest.read_text(encoding="utf-8").partition("\n[golden]")[0]
     text = re.sub(r'^interpolation = "\w+"', f'interpolation = "{rule}"', text, flags=re.M)
     text = re.sub(r'^model = "', f'model = "{manifest.parent}/', text, flags=re.M)
     path = context.scene.folder / f"{rule}.toml"

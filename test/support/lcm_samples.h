@@ -19,6 +19,17 @@ static double sample_lows[] = {0.625, 0.375};
 static double sample_highs[] = {0.875, 0.625};
 static double sample_transfers[] = {0.8125, 0.25};
 
+static char *sample_taps[] = {"embedding", "feat"};
+static int32_t sample_neurons[] = {512, 3};
+static double sample_reason_bins[] = {0.5, -0.25};
+static double sample_live_bins[] = {100.5, 20};
+static double sample_winner_bins[] = {110.25, 30};
+static double sample_runner_up_bins[] = {400.75, 10};
+static int32_t sample_winner_most[] = {7, -1};
+static int32_t sample_winner_least[] = {9, -1};
+static int32_t sample_runner_up_most[] = {11, -1};
+static int32_t sample_runner_up_least[] = {0, -1};
+
 static const vdna_msg_ranking_t sample_ranking = {
     .utime = 1700000000000002,
     .window_begin_utime = 1700000000000001,
@@ -44,6 +55,18 @@ static const vdna_msg_ranking_t sample_ranking = {
     .predicted_low = sample_lows,
     .predicted_high = sample_highs,
     .transfer = sample_transfers,
+    .neurons = 1280,
+    .reasons = 2,
+    .reason_tap = sample_taps,
+    .reason_neuron = sample_neurons,
+    .reason_bins = sample_reason_bins,
+    .live_bin = sample_live_bins,
+    .winner_bin = sample_winner_bins,
+    .runner_up_bin = sample_runner_up_bins,
+    .winner_most = sample_winner_most,
+    .winner_least = sample_winner_least,
+    .runner_up_most = sample_runner_up_most,
+    .runner_up_least = sample_runner_up_least,
 };
 
 static const vdna_msg_localisation_t sample_localisation = {

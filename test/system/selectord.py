@@ -21,6 +21,7 @@ BIN = os.environ["VDNA_BIN"]
 # LCM's default network is that of the namespace.
 os.environ.pop("LCM_DEFAULT_URL", None)
 SANITIZED = bool(os.environ.get("VDNA_SANITIZE"))  # so neither memory nor times are the daemon's own
+SLOWER = 10 if SANITIZED else 1  # times may be longer by this
 PATIENCE = 60  # seconds; an idle machine needs far less
 
 

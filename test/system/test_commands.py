@@ -79,10 +79,12 @@ class Commands(WithConfiguration):
 
     def test_exclude_chooses_among_the_rest_and_leaves_one(self):
         with Watch() as watch, self.daemon(), drive():
-            names = [entry["experience"] for entry in watch.wait_for("ranking")["ranking"]]
+            first = watch.wait_for("ranking")
+            names = [entry["experience"] for entry in first["ranking"]]
             self.command("exclude", names[0])
-            ranking = [entry["experience"] for entry in watch.wait_for("ranking")["ranking"]]
-            self.assertEqual(ranking, names[1:] + names[:1])
+            second = watch.wait_for("ranking")
+            self.assertEqual([entry["experience"] for entry in second["ranking"]], names[1:] + names[:1])
+            self.assertNotEqual(second["reasons"], first["reasons"])  # of the two that lead now
             watch.wait_for("localisation", lambda answer: answer["experience"] == names[1])
             status = watch.wait_for("status", lambda status: status["excluded"])
             self.assertEqual((status["excluded"], status["experience"]), (names[:1], names[1]))

@@ -13,12 +13,15 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 import unittest
 from pathlib import Path
 
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "models"))
+from quantise import manifest_text  # noqa: E402
 BIN = Path(os.environ["VDNA_BIN"])
 MODELS = Path(os.environ["VDNA_TEST_MODELS"])
 NAME = "efficientnet_lite0"
@@ -138,6 +141,67 @@ class Taps(unittest.TestCase):
                       done.stderr)
 
 
+def changed(name, passage, other):
+    """The default network with this passage of its manifest replaced."""
+    manifest = stand_in(name, "fp32")
+    text = manifest.read_text()
+    if text.count(passage) != 1:
+        raise AssertionError(f"{passage} is {text.count(passage)} times in {text}")
+    manifest.write_text(text.replace(passage, other))
+    return manifest
+
+
+class Golden(unittest.TestCase):
+    """Mistakes that hardly change a ranking."""
+
+    def test_numbers_of_the_shipped_networks_are_what_the_command_prints(self):
+        for name in (NAME, "mobilenet_v2"):
+            text = (MODELS / f"{name}.toml").read_text()
+            known = tomllib.loads(text)["golden"]
+            found = tomllib.loads(vdna("model", "golden", name))["golden"]
+            self.assertEqual(known["tolerance"], found["tolerance"])
+            for key in ("taps", "embedding", "last_layer"):
+                known_list, found_list = (np.ravel(section[key]) for section in (known, found))
+                apart = np.abs(known_list - found_list).max() / np.abs(known_list).max()
+                self.assertLess(apart, known["tolerance"] / 10)
+
+    def test_mistakes_before_the_network_end_the_daemon_before_it_is_ready(self):
+        for name, passage, other in (
+                ("swapped", 'colour = "RGB"', 'colour = "BGR"'),
+                ("narrow", "std = [128.0, 128.0, 128.0]", "std = [127.0, 127.0, 127.0]"),
+                ("shifted", "mean = [127.0, 127.0, 127.0]", "mean = [128.0, 128.0, 128.0]"),
+                ("resized", 'interpolation = "area"', 'interpolation = "linear"')):
+            manifest = changed(name, passage, other)
+            for options in ((), ("--check",)):
+                done = run(BIN / "vdna_selectord", "--map", MAP, "--backbone", manifest, *options)
+                self.assertEqual((done.returncode, done.stdout), (1, ""))
+                self.assertRegex(done.stderr, f"{manifest}: for the test picture tap 'embedding' "
+                                 r"gives [-0-9.e]+ as number \d of 8, \[golden\] expects [-0-9.e]+ "
+                                 r"within [-0-9.e]+; correct \[input\] or the model, or, .*`vdna "
+                                 "model golden`")
+                self.assertEqual(done.stderr.count("\n"), 1)
+
+    def test_a_wrong_number_of_the_embedding_is_told(self):
+        manifest = changed("off", "embedding = [", "embedding = [9, ")
+        done = run(BIN / "vdna", "build", FOLDER / "never", RUNS / "night", "--backbone", manifest)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"the embedding gives \S+ as number 1 of 9, .* expects 9 within")
+
+    def test_numbers_of_the_original_are_not_those_of_int8(self):
+        text = (MODELS / f"{NAME}.toml").read_text()
+        original = tomllib.loads(text)
+        made = tomllib.loads(manifest_text(text + "[more]\n", "made", b"", original, "by hand"))
+        self.assertEqual(made.keys() ^ original.keys(),
+                         {"golden", "more", "precision", "quantised"})
+
+    def test_a_network_without_them_runs_and_prints_its_own(self):
+        manifest = changed("unknown", 'colour = "RGB"', 'colour = "BGR"')
+        before = manifest.read_text().partition("[golden]")[0]
+        manifest.write_text(before)
+        manifest.write_text(before + vdna("model", "golden", manifest))
+        vdna("model", "golden", manifest)  # and is opened with them
+
+
 class Check(unittest.TestCase):
     def test_the_same_network_changes_nothing(self):
         found = check(NAME, stand_in("twin", "fp32"))
@@ -238,6 +302,7 @@ class Quantised(unittest.TestCase):
                          ["fp32", "int8"])
         self.assertLess((FOLDER / "made_int8.onnx").stat().st_size,
                         0.4 * (MODELS / f"{NAME}.onnx").stat().st_size)
+        self.assertNotIn("golden", tomllib.loads(self.int8.read_text()))
         self.assertLess(found["embedding_l2_percent"]["median"], EMBEDDING_CHANGE_MAX)
         self.assertGreater(found["embedding_l2_percent"]["median"], 0)
 

@@ -58,7 +58,11 @@ WEAK_TEXTS = """(() => {
 })()"""
 
 # A ranking as a later daemon sends it.
-PREDICTED = """{"validity": "VALID", "window_frames": 40, "margin_bins": 2.3, "ranked_by": "transfer", "ranking": [
+PREDICTED = """{"validity": "VALID", "window_frames": 40, "margin_bins": 2.3, "ranked_by": "transfer", "neurons": 1280, "reasons": [
+  {"tap": "embedding", "neuron": 512, "bins": 0.46, "live_bin": 100.4, "winner_bin": 110, "runner_up_bin": 400.6,
+   "winner_most": 7, "winner_least": 9, "runner_up_most": 11, "runner_up_least": 0},
+  {"tap": "embedding", "neuron": 3, "bins": -0.23, "live_bin": 20, "winner_bin": 30, "runner_up_bin": 10,
+   "winner_most": -1, "winner_least": -1, "runner_up_most": -1, "runner_up_least": -1}], "ranking": [
   {"experience": "winter", "distance_bins": 7.4, "predicted_recall": 0.94, "predicted_low": 0.88, "predicted_high": 0.97},
   {"experience": "summer", "distance_bins": 9.7, "tied": true, "predicted_recall": 0.61, "predicted_low": 0.5, "predicted_high": 0.7},
   {"experience": "night", "distance_bins": 12.5, "predicted_recall": null}]}"""
@@ -117,6 +121,8 @@ class Page(unittest.TestCase):
                 self.browser.wait_for(text_of("live-facts") + ".match(/[1-9][.]\\d frames per second/)")
                 self.browser.wait_for(text_of("legend") + ".includes('winter')")
                 self.browser.wait_for("stages.rows.length >= 8")
+                self.assertRegex(self.browser.value(text_of("why")), r"^winter is [0-9.]+ bins nearer than \w+: ")
+                self.assertEqual(self.browser.value("reasons.rows.length"), 5)
                 self.assertIn("MiB", self.browser.value(text_of("facts")))
                 time.sleep(3)
                 self.expect_readable(f"{width}-valid")
@@ -138,6 +144,13 @@ class Page(unittest.TestCase):
             self.assertIn("tied", second)
             self.assertIn("–", third)
             self.assertEqual(self.browser.value("document.querySelectorAll('.bar b').length"), 2)
+            self.assertEqual(self.browser.value(text_of("why")),
+                             "winter is 2.30 bins nearer than summer: 2 of 1280 neurons make 10 % of it.")
+            reasons = self.browser.value("[...reasons.rows].map(row => [...row.cells].map(cell => cell.innerText))")
+            self.assertEqual([[cell.strip() for cell in row] for row in reasons],
+                             [["embedding 512", "20.0 %", "100, 110, 401", "7, 9", "11, 0"],
+                              ["embedding 3", "-10.0 %", "20, 30, 10", "–, –", "–, –"]])
+            self.assertEqual(self.browser.value("reasons.rows[1].className"), "against")
             self.browser.wait_for(text_of("problems") + ".includes('Damaged experiences left out: 1')")
             self.browser.value("raw.open = true")
             self.browser.wait_for(text_of("fields") + ".includes('sad')")
@@ -146,7 +159,7 @@ class Page(unittest.TestCase):
     def test_is_used_by_keyboard(self):
         self.open()
         reached = []
-        for _ in range(6):
+        for _ in range(7):
             self.browser.press("Tab", 9)
             reached.append(self.browser.value("document.activeElement.innerText.split('\\n')[0] || document.activeElement.id"))
             self.assertEqual(self.browser.value("getComputedStyle(document.activeElement).outlineStyle"), "solid")

@@ -9,6 +9,7 @@ import json
 import os
 import re
 import shutil
+import re
 import subprocess
 import tempfile
 import unittest
@@ -36,7 +37,7 @@ class Page(HTMLParser):
 
     def __init__(self, html):
         super().__init__()
-        self.open, self.tags, self.addresses, self.tables = [], [], [], {}
+        self.open, self.tags, self.addresses, self.tables, self.texts = [], [], [], {}, []
         self.headings, self.photos, self.scrolling = [], 0, 0
         self.title = ""
         self.feed(html)
@@ -79,6 +80,13 @@ class Page(HTMLParser):
         elif {"td", "th"} & set(self.open):
             kind, before = self.rows[-1][-1]
             self.rows[-1][-1] = (kind, before + text)
+        else:
+            self.texts.append(text)
+
+    def text_of(self, beginning):
+        """The only text outside of tables that begins like this."""
+        (text,) = [text for text in self.texts if text.startswith(beginning)]
+        return text
 
     def table(self, beginning):
         """The only table whose caption begins like this."""
@@ -315,6 +323,19 @@ class Report(unittest.TestCase):
                     self.assertEqual(text.split(" – ", 1)[1], name + mark)
                     seen.add(kind)
         self.assertGreaterEqual(seen, {"", "one"}, "the data set shows both")
+
+    def test_the_neurons_say_why_the_first_choice_is_not_the_second(self):
+        for query in self.result["queries"]:
+            (first, _), (second, _), *_ = self.ranked(query, "vdna")
+            distance = self.result["distance"]["vdna"][query]
+            told = self.page.text_of(f"{first} is {distance[second] - distance[first]:.2f} bins nearer than {second}: ")
+            share = float(re.search(r"10 of 1280 neurons make (-?\d+) % of it", told)[1])
+            rows = [[text for _, text in row] for row in self.page.tables[
+                f"Neurons that tell {first} from {second} best"]][1:]
+            self.assertEqual(len(rows), 10)
+            margins = [float(row[1]) for row in rows]
+            self.assertEqual(margins, sorted(margins, key=abs, reverse=True))
+            self.assertAlmostEqual(sum(float(row[2]) for row in rows), share, delta=1.1)
 
     def test_the_localisers_are_those_of_the_json(self):
         page = Page(self.evaluate("--localisers", "nn,seqslam,fused,all"))

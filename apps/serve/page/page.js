@@ -187,6 +187,51 @@ function show_ranking() {
     (shadow ? " In shadow: recommended only, the choice stays." : ""));
 }
 
+// A frame of the map, with its picture if the server has it.
+function example(experience, frame) {
+  if (!is_number(frame) || frame < 0)
+    return make("span", "", "–");
+  const shown = make("span", "", String(frame));
+  if (state.map?.shown) {
+    const image = make("img");
+    image.alt = "";
+    image.hidden = true;
+    image.addEventListener("load", () => image.hidden = false);
+    image.src = `map/${experience}/${frame}.jpg`;
+    shown.append(image);
+  }
+  return shown;
+}
+
+function reason_row(reason, margin, largest, [first, second]) {
+  const name = make("th", "", `${reason.tap} ${reason.neuron}`);
+  name.scope = "row";
+  const share = margin === 0 ? fixed(reason.bins, 3, " bins") : fixed(100 * reason.bins / margin, 1, " %");
+  const bins = [reason.live_bin, reason.winner_bin, reason.runner_up_bin].map(bin => fixed(bin, 0)).join(", ");
+  return make("tr", reason.bins < 0 ? "against" : "", name,
+              make("td", "", share, bar(Math.abs(reason.bins) / largest)), make("td", "", bins),
+              make("td", "", example(first, reason.winner_most), ", ", example(first, reason.winner_least)),
+              make("td", "", example(second, reason.runner_up_most), ", ", example(second, reason.runner_up_least)));
+}
+
+// As the sentence of `vdna explain`.
+function why_of(names, margin, reasons, neurons) {
+  if (margin === 0)
+    return `${names[0]} is as near as ${names[1]}.`;
+  const share = reasons.reduce((sum, reason) => sum + reason.bins, 0) / margin;
+  return `${names[0]} is ${fixed(Math.abs(margin), 2)} bins ${margin > 0 ? "nearer" : "farther"} than ${names[1]}: ` +
+    `${reasons.length} of ${neurons} neurons make ${percent(share)} of it.`;
+}
+
+function show_why() {
+  const {reasons = [], ranking: entries = [], margin_bins: margin, neurons} = state.ranking ?? {};
+  const names = entries.map(entry => entry.experience);
+  const largest = Math.max(...reasons.map(reason => Math.abs(reason.bins)), 1e-9);
+  at("reasons").replaceChildren(...reasons.map(reason => reason_row(reason, margin, largest, names)));
+  text(at("why"), !state.ranking ? "No ranking heard yet."
+    : reasons.length === 0 ? "The ranking names no neurons." : why_of(names, margin, reasons, neurons));
+}
+
 // --- the strip: x is seconds since its left end
 
 const svg = (name, attributes) => {
@@ -346,7 +391,8 @@ function show_result() {
 // --- events in, one drawing for all that came since the last one
 
 const parts = [[show_headline, "headline", "status", "pulse"], [show_live, "picture", "pulse"],
-               [show_match, "localisation", "map"], [show_ranking, "ranking", "status"], [show_strip, "point"],
+               [show_match, "localisation", "map"], [show_ranking, "ranking", "status"],
+               [show_why, "ranking", "map"], [show_strip, "point"],
                [show_health, "status", "problems", "pulse", "picture"], [show_commands, "commands", "status"],
                [show_result, "result"],
                [show_raw, "status", "localisation", "ranking"]];

@@ -134,7 +134,8 @@ extern VDNA_API const vdna_backbone_operations *vdna_backbone_plugin(void);
 VDNA_API void vdna_backbone_config_init(vdna_backbone_config *config);
 
 /** Open a network: read the manifest, check the model's SHA-256, load the runtime, bind inputs and
- *  outputs, run twice on a grey picture so that later calls are warm. Or load the plug-in, which
+ *  outputs, run twice on a grey picture so that later calls are warm, and compare what a test
+ *  picture gives with the manifest's golden numbers, if it has any. Or load the plug-in, which
  *  then stays loaded, and have it open its network.
  *
  *  A plug-in is code and does what the process may do: load only what you trust.
@@ -147,9 +148,10 @@ VDNA_API void vdna_backbone_config_init(vdna_backbone_config *config);
  *  @param out_backbone  the caller's, to be closed with vdna_backbone_close()
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT (manifest, or what a plug-in says of
  *          itself); VDNA_ERR_CHECKSUM (model); VDNA_ERR_MISMATCH (a tap or shape the model does not
- *          have); VDNA_ERR_UNSUPPORTED (runtime too old, an int8 network on an x86 processor
- *          without VNNI or an ARM one without asimddp, or a library that is no plug-in of this
- *          version); VDNA_ERR_RUNTIME; VDNA_ERR_NOMEM; any other that a plug-in gives */
+ *          have, other numbers than its golden ones); VDNA_ERR_UNSUPPORTED (runtime too old, an
+ *          int8 network on an x86 processor without VNNI or an ARM one without asimddp, or a
+ *          library that is no plug-in of this version); VDNA_ERR_RUNTIME; VDNA_ERR_NOMEM; any
+ *          other that a plug-in gives */
 VDNA_API vdna_status vdna_backbone_open(const vdna_backbone_config *config, vdna_error *error,
                                         vdna_backbone **out_backbone);
 

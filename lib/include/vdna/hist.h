@@ -110,6 +110,14 @@ VDNA_API void vdna_hist_view_of(const vdna_hist *hist, vdna_hist_view *out_view)
  *          either has no samples */
 VDNA_API vdna_status vdna_hist_view_check_pair(const vdna_hist_view *p, const vdna_hist_view *q);
 
+/** Find where a neuron's samples lie on average.
+ *  @param view     valid, as vdna_hist_view_check_pair() says
+ *  @param neuron   index
+ *  @param out_bin  0..bins-1
+ *  @return VDNA_OK; VDNA_ERR_ARG if there is no such neuron; VDNA_ERR_EMPTY if it has no samples */
+VDNA_API vdna_status vdna_hist_view_mean(const vdna_hist_view *view, uint32_t neuron,
+                                         double *out_bin);
+
 #ifdef __cplusplus
 }
 #endif

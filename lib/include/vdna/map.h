@@ -140,6 +140,12 @@ VDNA_API void vdna_experience_view(const vdna_experience *experience, vdna_hist_
 VDNA_API vdna_status vdna_experience_thumbnail(const vdna_experience *experience, uint32_t frame,
                                                const uint8_t **out_jpeg, size_t *out_size);
 
+/** Tell whether the codes of the last layer stand for the activations that the Visual DNA counts:
+ *  they do if that layer, with one sample per neuron, is the only tap.
+ *  @param experience  NULL gives 0
+ *  @return 1 if so; 0 if not, and without codes */
+VDNA_API uint32_t vdna_experience_counts_last_layer(const vdna_experience *experience);
+
 /** Count the experience files of a directory: names ending in VDNA_MAP_EXTENSION, hidden ones (a
  *  leading '.') left out. An update of the map counts as a whole or not at all.
  *  @param directory  a path

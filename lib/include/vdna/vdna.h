@@ -1,8 +1,8 @@
 /** @file vdna/vdna.h
  *  @brief Onboard experience selection: umbrella header and the conventions of the whole API.
  *
- *  Memory. The C99 part (activation, range, hist, int8, window, emd, rank, knn, localise,
- *  trust, select, health) never allocates.
+ *  Memory. The C99 part (activation, range, hist, int8, window, emd, explain, rank, knn,
+ *  localise, trust, select, health) never allocates.
  *  An object with a variable size lives in a block that the caller provides: ask
  *  `vdna_X_mem_size()`, hand the block to `vdna_X_init()`, keep it while the object is in use, and
  *  free it yourself; there is nothing to destroy. Objects that hold resources of the operating
@@ -36,6 +36,7 @@
 #include <vdna/activation.h>
 #include <vdna/camera_time.h>
 #include <vdna/emd.h>
+#include <vdna/explain.h>
 #include <vdna/health.h>
 #include <vdna/hist.h>
 #include <vdna/int8.h>

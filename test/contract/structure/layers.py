@@ -44,7 +44,7 @@ ROOMS = {
     "apps/eval": (9, ["apps/frames", "apps/program", "apps/record", "lib/backbone", "lib/baseline",
                       "lib/core", "lib/cpp", "lib/localise", "lib/trust"]),
     "apps/report": (10, ["apps/eval", "apps/frames", "apps/program", "apps/record", "lib/core",
-                         "lib/picture", "lib/trust"]),
+                         "lib/cpp", "lib/picture", "lib/trust"]),
     "apps/vdna": (11, ["apps/doctor", "apps/eval", "apps/frames", "apps/program", "apps/record", "apps/report",
                        "apps/simulate", "apps/telemetry", "apps/usage", "apps/watch", "lib/backbone", "lib/core",
                        "lib/cpp", "lib/geodesy", "lib/localise", "lib/picture", "lib/transport"]),
@@ -57,7 +57,7 @@ ROOMS = {
 }
 
 # The public headers of rooms whose name they do not bear.
-CORE_HEADERS = "activation camera_time emd hist image int8 knn pixels range rank status version window"
+CORE_HEADERS = "activation camera_time emd explain hist image int8 knn pixels range rank status version window"
 HEADERS = {**{name: "lib/core" for name in CORE_HEADERS.split()},
            "experience_localise": "lib/map", "listener": "lib/transport", "map_trust": "lib/map",
            "message": "lib/transport"}

@@ -1,7 +1,9 @@
 /* Any sequence of calls that count and compare: ranges, histograms, windows, distances, rankings,
- * nearest neighbours, 8-bit codes and camera time. Masses are conserved, and errors change nothing.
+ * their reasons, nearest neighbours, 8-bit codes and camera time. Masses are conserved, and errors
+ * change nothing.
  */
 #include <vdna/camera_time.h>
+#include <vdna/explain.h>
 #include <vdna/int8.h>
 #include <vdna/knn.h>
 #include <vdna/rank.h>
@@ -239,7 +241,10 @@ static void check_distance(const vdna_hist_view *p, const vdna_hist_view *q)
         MUST(vdna_emd_mean(p, q, scratch, size - 1, &back) == VDNA_ERR_NOMEM && back == -1);
         MUST(vdna_emd_mean(q, p, scratch, size, &back) == VDNA_OK && back == mean);
         for (size_t n = 0; n < p->neurons; n++) {
+            double bin = -1;
             MUST(each[n] >= 0 && each[n] <= p->bins - 1);
+            MUST(vdna_hist_view_mean(p, (uint32_t)n, &bin) == VDNA_OK);
+            MUST(bin >= 0 && bin <= p->bins - 1);
             sum += each[n];
         }
         MUST(fabs(mean - sum / p->neurons) <= 1e-9 * p->bins);
@@ -301,6 +306,67 @@ static void sort(calls *c, machine *m)
     if (status == VDNA_OK)
         check_ranking(ranking, count);
     free(distances);
+}
+
+/* ---- reasons */
+
+static int all_finite_numbers(const double *numbers, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (!isfinite(numbers[i]))
+            return 0;
+    return 1;
+}
+
+static void check_reasons(const vdna_reason *top, uint32_t wanted)
+{
+    uint32_t found = 0;
+    for (uint32_t i = 0; i < wanted; i++) {
+        MUST(top[i].count == 1 && (found & 1u << top[i].neuron) == 0);
+        found |= 1u << top[i].neuron;
+        MUST(i == 0 || fabs(top[i].margin_bins) <= fabs(top[i - 1].margin_bins));
+    }
+}
+
+static void explain(calls *c, machine *m)
+{
+    (void)m;
+    enum { COUNT = 8 };
+    const uint32_t neurons = below(c, COUNT), wanted = below(c, COUNT + 1);
+    double *winner = doubles_of(c, neurons), *against = doubles_of(c, neurons);
+    vdna_reason *top = block_of(wanted * sizeof *top), sum = {0, 0, 0, 0, 0};
+    const int finite = all_finite_numbers(winner, neurons) && all_finite_numbers(against, neurons);
+    const vdna_status status = vdna_explain_top(winner, against, neurons, wanted, top);
+    MUST(status == (wanted == 0 || wanted > neurons ? VDNA_ERR_ARG
+                    : finite                        ? VDNA_OK
+                                                    : VDNA_ERR_NONFINITE));
+    if (status == VDNA_OK)
+        check_reasons(top, wanted);
+    const uint32_t first = any_count(c, 0), count = any_count(c, 0);
+    const int is_inside = count > 0 && (uint64_t)first + count <= neurons;
+    MUST((vdna_explain_sum(winner, against, neurons, first, count, &sum) == VDNA_OK) == is_inside);
+    MUST(sum.count == (is_inside ? count : 0));
+    free(winner);
+    free(against);
+    free(top);
+}
+
+static void find_example_frames(calls *c, machine *m)
+{
+    (void)m;
+    enum { FRAMES = 6, DIM = 3 };
+    const uint32_t frames = below(c, FRAMES), dim = below(c, DIM), neuron = below(c, DIM);
+    int8_t *codes = block_of((size_t)frames * dim);
+    float *scale = floats_of(c, frames);
+    uint32_t most = UINT32_MAX, least = UINT32_MAX;
+    for (size_t i = 0; i < (size_t)frames * dim; i++)
+        codes[i] = (int8_t)next_byte(c);
+    const int is_inside = frames > 0 && neuron < dim;
+    MUST((vdna_explain_frames(codes, scale, frames, dim, neuron, &most, &least) == VDNA_OK) ==
+         is_inside);
+    MUST(is_inside ? most < frames && least < frames : most == UINT32_MAX && least == UINT32_MAX);
+    free(codes);
+    free(scale);
 }
 
 /* ---- windows */
@@ -498,10 +564,29 @@ static void recognise(calls *c, machine *m)
 
 /* ---- the program */
 
-static void (*const operations[])(calls *, machine *) = {
-    observe,    expand,      make_hist,  add,       add,   merge_or_subtract, reset_hist, compare,
-    sort,       make_window, offer,      offer,     offer, reset_window,      nearest,    encode,
-    begin_time, take_stamp,  take_stamp, recognise, texts};
+static void (*const operations[])(calls *, machine *) = {observe,
+                                                         expand,
+                                                         make_hist,
+                                                         add,
+                                                         add,
+                                                         merge_or_subtract,
+                                                         reset_hist,
+                                                         compare,
+                                                         sort,
+                                                         make_window,
+                                                         offer,
+                                                         offer,
+                                                         offer,
+                                                         reset_window,
+                                                         nearest,
+                                                         encode,
+                                                         begin_time,
+                                                         take_stamp,
+                                                         take_stamp,
+                                                         recognise,
+                                                         texts,
+                                                         explain,
+                                                         find_example_frames};
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {

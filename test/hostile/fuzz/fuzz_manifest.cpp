@@ -11,6 +11,23 @@
 
 using namespace vdna::backbone;
 
+static void check(const std::vector<double> &means, size_t least)
+{
+    MUST(means.size() >= least && means.size() <= Golden::parts_max);
+    for (const double mean : means)
+        MUST(std::isfinite(mean));
+}
+
+static void check(const Golden &golden, size_t taps)
+{
+    MUST(golden.tolerance > 0 && golden.tolerance < 1);
+    MUST(golden.taps.size() == taps);
+    for (const std::vector<double> &tap : golden.taps)
+        check(tap, 1);
+    check(golden.embedding, 0); // none with the paper's protocol
+    check(golden.last_layer, 0);
+}
+
 static void check(const Manifest &manifest)
 {
     const Input &input = manifest.input;
@@ -28,6 +45,8 @@ static void check(const Manifest &manifest)
     MUST(!embedding.output.empty());
     MUST(!embedding.grid || (embedding.grid->rows >= 1 && embedding.grid->columns >= 1));
     MUST(!preprocessing_text(manifest).empty());
+    if (manifest.golden)
+        check(*manifest.golden, manifest.taps.size());
     MUST(embedding_text(embedding).empty() ==
          (!embedding.grid && !embedding.centre && embedding.last_layer.empty()));
 }
@@ -46,7 +65,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     return 0;
 }
 
-// A network as in the paper, and one with all that may be left out.
+// A network as in the paper, one with all that may be left out, and one with golden numbers.
 size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
 {
     const std::string hash(64, 'a');
@@ -56,13 +75,17 @@ size_t vdna_fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
         "[input]\nname = \"image\"\nwidth = 320\nheight = 240\ncolour = \"BGR\"\n"
         "mean = [123.675, 116.28, 0]\nstd = [58.395, 57.12, 1e-1]\nresize = \"stretch\"\n"
         "interpolation = \"cubic\"\n[[taps]]\noutput = \"tokens\"\nlayout = \"samples_neurons\"\n";
+    const std::string whole = "[embedding]\noutput = \"map\"\nl2_normalise = true\n";
+    const std::string golden = "[golden]\ntolerance = 0.001\n";
     const std::string seeds[] = {
-        begin + input + "[embedding]\noutput = \"map\"\nl2_normalise = true\n",
+        begin + input + whole,
         begin + "precision = \"int8\"\nprotocol = \"paper\"\n[quantised]\nfrom_sha256 = \"" + hash +
             "\"\nmethod = \"QDQ\"\n" + input +
             "[[taps]]\noutput = \"map\"\nlayout = \"neurons_samples\"\n[embedding]\noutput = "
             "\"map\"\ngrid = [3, 1]\ndims = 64\ncentre = true\nlast_layer = \"tokens\"\n"
-            "l2_normalise = false\nstorage = \"int8\"\n"};
+            "l2_normalise = false\nstorage = \"int8\"\n" +
+            golden + "taps = [[1, -2.5], [3]]\nembedding = [4, 5]\nlast_layer = [6]\n",
+        begin + input + whole + golden + "taps = [[1e-3]]\nembedding = [-4.5, 0]\n"};
     if (index >= sizeof seeds / sizeof *seeds || seeds[index].size() > capacity)
         return 0;
     std::memcpy(out, seeds[index].data(), seeds[index].size());

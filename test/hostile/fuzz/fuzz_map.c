@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 
-#include <vdna/emd.h>
+#include <vdna/explain.h>
 
 #include "fuzz.h"
 #include "layout.h"
@@ -47,6 +47,11 @@ static void use_codes(const vdna_experience *e)
 {
     MUST(!e->last_layer == !e->last_layer_scale && !e->last_layer == (e->last_layer_dim == 0));
     MUST(!e->embedding_codes == !e->embedding_scale);
+    uint32_t most = 0, least = 0;
+    if (vdna_experience_counts_last_layer(e))
+        MUST(vdna_explain_frames(e->last_layer, e->last_layer_scale, e->frames, e->last_layer_dim,
+                                 e->identity.neurons - 1, &most, &least) == VDNA_OK &&
+             most < e->frames && least < e->frames);
     for (size_t i = 0; i < (size_t)e->frames * e->identity.dim; i++)
         MUST(isfinite(e->embeddings[i]));
 }

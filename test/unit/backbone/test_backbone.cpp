@@ -15,6 +15,9 @@
 
 #include <vdna/backbone.h>
 
+#include "backbone/golden.hpp"
+#include "backbone/test_picture.hpp"
+
 using Bytes = std::vector<uint8_t>;
 
 // The recipe of a manifest of the tiny network (test/support/make_tiny_network.py).
@@ -26,6 +29,7 @@ struct Recipe {
     std::string embedding = "mean";
     std::string how; // further lines of [embedding]
     std::string l2_normalise = "false";
+    std::string golden; // section at the end
     std::string width = "2";
     std::string model = file_bytes(VDNA_TINY_NETWORK);
     std::string sha256 = ""; // of `model` if empty
@@ -50,7 +54,7 @@ class TinyNetwork
                              "\"\nmean = " + recipe.mean + "\nstd = " + recipe.std +
                              "\nresize = \"stretch\"\ninterpolation = \"area\"\n" + recipe.taps +
                              "[embedding]\noutput = \"" + recipe.embedding + "\"\n" + recipe.how +
-                             "l2_normalise = " + recipe.l2_normalise + "\n");
+                             "l2_normalise = " + recipe.l2_normalise + "\n" + recipe.golden);
     }
 
     vdna_status open(vdna_error *error, vdna_backbone **out_backbone,
@@ -269,6 +273,55 @@ static void a_map_may_keep_fewer_numbers_than_a_frame_has(void **)
     recipe.how = "dims = 4\n";
     assert_not_opened(recipe, VDNA_ERR_MISMATCH,
                       "output 'mean' gives embeddings of 3 numbers; expected at least 'dims', 4");
+}
+
+// The section [golden] of a recipe's network.
+static std::string golden_of(const Recipe &recipe)
+{
+    vdna_backbone *backbone = opened(recipe);
+    const std::string text =
+        vdna::backbone::golden_text(run(backbone, vdna::backbone::test_picture()));
+    vdna_backbone_close(backbone);
+    return text;
+}
+
+static void a_network_that_gives_its_golden_numbers_is_opened(void **)
+{
+    Recipe recipe;
+    recipe.how = "last_layer = \"mean\"\n";
+    recipe.golden = golden_of(recipe);
+    vdna_backbone_close(opened(recipe));
+}
+
+static void one_that_gives_others_is_refused_by_the_first_that_differs(void **)
+{
+    Recipe recipe;
+    recipe.golden = golden_of(recipe);
+    const auto refused = [&recipe](const char *what) {
+        assert_not_opened(recipe, VDNA_ERR_MISMATCH, what);
+        assert_not_opened(recipe, VDNA_ERR_MISMATCH, "`vdna model golden` prints");
+    };
+    recipe.colour = "BGR";
+    refused("tiny.toml: for the test picture tap 'map' gives ");
+    recipe.colour = "RGB";
+    recipe.std = "[1.002, 1.002, 1.002]"; // above the tolerance of 0.001
+    refused("of 8, [golden] expects ");
+    recipe.std = "[1.0005, 1.0005, 1.0005]"; // below
+    vdna_backbone_close(opened(recipe));
+
+    recipe.l2_normalise = "true"; // of the embedding only
+    refused("the embedding gives ");
+    recipe.l2_normalise = "false";
+    recipe.golden = "[golden]\ntolerance = 0.1\ntaps = [[0]]\nembedding = [1, 2, 3, 4]\n";
+    refused("tap 'map' gives ");
+}
+
+static void more_golden_numbers_than_an_output_has_are_refused(void **)
+{
+    Recipe recipe;
+    recipe.golden = with(golden_of(recipe), "embedding = [", "embedding = [0, 0, 0, ");
+    assert_not_opened(recipe, VDNA_ERR_MISMATCH,
+                      "the embedding has 3 numbers, [golden] expects 6 parts of them");
 }
 
 static void a_grid_of_what_has_no_rows_and_columns_is_refused(void **)
@@ -502,6 +555,9 @@ int main()
         cmocka_unit_test(l2_normalisation_concerns_the_embedding_only),
         cmocka_unit_test(a_grid_of_a_feature_map_is_the_embedding_and_the_tap_stays),
         cmocka_unit_test(a_map_may_keep_fewer_numbers_than_a_frame_has),
+        cmocka_unit_test(a_network_that_gives_its_golden_numbers_is_opened),
+        cmocka_unit_test(one_that_gives_others_is_refused_by_the_first_that_differs),
+        cmocka_unit_test(more_golden_numbers_than_an_output_has_are_refused),
         cmocka_unit_test(a_grid_of_what_has_no_rows_and_columns_is_refused),
         cmocka_unit_test(outputs_that_are_not_finite_are_refused),
         cmocka_unit_test(a_refused_picture_leaves_the_backbone_as_it_was),

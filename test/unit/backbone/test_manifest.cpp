@@ -191,6 +191,67 @@ static void a_grid_that_is_none_is_refused(void **)
                    "'centre' must be true or false");
 }
 
+// `whole` with this section [golden]; its first line is 25.
+static std::string with_golden(const std::string &lines)
+{
+    return whole + ("[golden]\n" + lines);
+}
+
+static const std::string known = "tolerance = 0.01\ntaps = [[1, -2.5], [3]]\nembedding = [4.5]\n";
+
+static void golden_numbers_are_read_if_there_are_any(void **)
+{
+    const Folder folder;
+    assert_false(read_manifest(folder.write("m.toml", whole)).golden.has_value());
+    const Manifest manifest = read_manifest(folder.write("g.toml", with_golden(known)));
+    assert_true(manifest.golden->tolerance == 0.01);
+    assert_true(manifest.golden->taps == (std::vector<std::vector<double>>{{1, -2.5}, {3}}));
+    assert_true(manifest.golden->embedding == std::vector<double>{4.5});
+    assert_true(manifest.golden->last_layer.empty());
+    // They change nothing that maps are compared by.
+    assert_string_equal(preprocessing_text(manifest).c_str(),
+                        preprocessing_text(read_manifest(folder.path() / "m.toml")).c_str());
+}
+
+static void golden_numbers_of_the_last_layer_belong_to_one(void **)
+{
+    const Folder folder;
+    const std::string layered = with(with_golden(known + "last_layer = [6]\n"),
+                                     "l2_normalise =", "last_layer = \"tokens\"\nl2_normalise =");
+    assert_true(read_manifest(folder.write("m.toml", layered)).golden->last_layer ==
+                std::vector<double>{6});
+    // Of the paper's protocol only the taps are the same.
+    const Golden papers =
+        *read_manifest(folder.write("p.toml", "protocol = \"paper\"\n" + layered)).golden;
+    assert_true(papers.taps.size() == 2 && papers.embedding.empty() && papers.last_layer.empty());
+    assert_refused(with(layered, "last_layer = [6]", ""), "25", "'last_layer' is missing");
+    assert_refused(with_golden(known + "last_layer = [6]\n"), "28",
+                   "'last_layer' is not in [embedding]; remove it");
+}
+
+static void golden_numbers_that_cannot_be_compared_are_refused(void **)
+{
+    const std::string is_list = "a list of 1 to 64 numbers was expected";
+    for (const char *tolerance : {"0", "-0.1", "1", "nan", "\"0.01\""})
+        assert_refused(with_golden(with(known, "0.01", tolerance)), "25",
+                       "'tolerance' must be a number above 0 and below 1");
+    for (const char *taps : {"[[1]]", "[[1], [2], [3]]", "3", "[]"})
+        assert_refused(with_golden(with(known, "[[1, -2.5], [3]]", taps)), "26",
+                       "'taps' must be 2 lists, one for each [[taps]]");
+    for (const char *list : {"[]", "4.5", "[\"4.5\"]", "[nan]", "[1, inf]", "[[4.5]]"}) {
+        assert_refused(with_golden(with(known, "[4.5]", list)), "27", is_list);
+        assert_refused(with_golden(with(known, "[3]]", list + std::string("]"))), "26", is_list);
+    }
+    std::string many = "[4.5";
+    for (int i = 1; i < 65; i++)
+        many += ", 4.5";
+    assert_refused(with_golden(with(known, "[4.5]", many + "]")), "27", is_list);
+    assert_refused(with_golden(with(known, "embedding", "embeddings")), "27", "unknown key");
+    assert_refused(with_golden(with(known, "embedding = [4.5]", "")), "24",
+                   "'embedding' is missing");
+    assert_refused("golden = 3\n" + std::string(whole), "1", "'golden' must be a section");
+}
+
 static void an_unknown_key_is_refused_in_every_section(void **)
 {
     assert_refused(with(whole, "licence =", "license ="), "5", "unknown key 'license'; expected:");
@@ -296,6 +357,9 @@ int main()
         cmocka_unit_test(how_embeddings_are_stored_is_not_part_of_their_definition),
         cmocka_unit_test(the_papers_protocol_keeps_one_layer_for_both),
         cmocka_unit_test(a_grid_that_is_none_is_refused),
+        cmocka_unit_test(golden_numbers_are_read_if_there_are_any),
+        cmocka_unit_test(golden_numbers_of_the_last_layer_belong_to_one),
+        cmocka_unit_test(golden_numbers_that_cannot_be_compared_are_refused),
         cmocka_unit_test(an_unknown_key_is_refused_in_every_section),
         cmocka_unit_test(a_missing_key_is_told_at_its_section),
         cmocka_unit_test(a_value_of_the_wrong_type_is_told_at_its_line),

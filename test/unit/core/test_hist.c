@@ -400,6 +400,24 @@ static void histograms_compare_if_shape_and_range_agree_and_no_neuron_is_empty(v
     assert_int_equal(vdna_hist_view_check_pair(NULL, &p), VDNA_ERR_ARG);
 }
 
+static void the_mean_bin_of_a_neuron_is_that_of_its_samples(void **state)
+{
+    (void)state;
+    static const float range[][2] = {{0, 1}, {0, 1}};
+    const uint32_t counts[][2] = {{1, 0}, {0, 0}, {0, 0}, {3, 0}}, mass[] = {4, 0};
+    const vdna_hist_view view = {range[0], counts[0], mass, 2, 4};
+    vdna_hist_view invalid = view;
+    invalid.bins = 0;
+    double bin = 0;
+    assert_int_equal(vdna_hist_view_mean(&view, 0, &bin), VDNA_OK);
+    assert_true(bin == 2.25);
+    assert_int_equal(vdna_hist_view_mean(&view, 1, &bin), VDNA_ERR_EMPTY);
+    assert_int_equal(vdna_hist_view_mean(&view, 2, &bin), VDNA_ERR_ARG);
+    assert_int_equal(vdna_hist_view_mean(&invalid, 0, &bin), VDNA_ERR_ARG);
+    assert_int_equal(vdna_hist_view_mean(&view, 0, NULL), VDNA_ERR_ARG);
+    assert_true(bin == 2.25);
+}
+
 static void the_block_may_not_be_a_byte_too_small_nor_misaligned(void **state)
 {
     (void)state;
@@ -477,6 +495,7 @@ int main(void)
         cmocka_unit_test(merging_past_the_largest_mass_is_refused),
         cmocka_unit_test(histograms_of_other_ranges_or_shapes_do_not_merge),
         cmocka_unit_test(histograms_compare_if_shape_and_range_agree_and_no_neuron_is_empty),
+        cmocka_unit_test(the_mean_bin_of_a_neuron_is_that_of_its_samples),
         cmocka_unit_test(the_block_may_not_be_a_byte_too_small_nor_misaligned),
         cmocka_unit_test(bad_shapes_have_no_size),
         cmocka_unit_test(a_range_without_width_is_refused),

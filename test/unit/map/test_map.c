@@ -291,6 +291,35 @@ static void a_second_embedding_is_kept_since_version_3(void **state)
     vdna_experience_close(&e);
 }
 
+/* With one of the three changed. */
+static uint32_t counts_last_layer(const char *taps, uint32_t dim, const char *embedding)
+{
+    vdna_experience e = grid_experience();
+    strcpy(e.identity.taps, taps);
+    strcpy(e.identity.embedding, embedding);
+    e.last_layer_dim = dim;
+    return vdna_experience_counts_last_layer(&e);
+}
+
+static void the_last_layer_stands_for_the_activations_where_it_is_the_only_tap(void **state)
+{
+    (void)state;
+    assert_int_equal(counts_last_layer("top:7:1", 7, "mid grid=1x5 last=top centred"), 1);
+    assert_int_equal(counts_last_layer("top:7:1", 7, "mid last=top"), 1);
+    assert_int_equal(counts_last_layer("top:7:1", 7, "mid last=topmost"), 0);
+    assert_int_equal(counts_last_layer("top:7:1", 7, "mid last=to"), 0);
+    assert_int_equal(counts_last_layer("top:7:1", 7, "mid grid=1x5"), 0);
+    assert_int_equal(counts_last_layer("top:7:1", 7, ""), 0);
+    assert_int_equal(counts_last_layer("top:7:4", 7, "mid last=top"), 0);
+    assert_int_equal(counts_last_layer("top:6:1", 7, "mid last=top"), 0);
+    assert_int_equal(counts_last_layer("mid:2:4,top:7:1", 7, "mid last=top"), 0);
+    assert_int_equal(counts_last_layer("top:7:1,mid:2:4", 7, "mid last=top"), 0);
+    assert_int_equal(counts_last_layer("", 7, "mid last=top"), 0);
+    assert_int_equal(vdna_experience_counts_last_layer(NULL), 0);
+    const vdna_experience without = sample_experience();
+    assert_int_equal(vdna_experience_counts_last_layer(&without), 0);
+}
+
 static void embeddings_stored_as_codes_are_read_as_floats(void **state)
 {
     edited_file f = *(const edited_file *)*state;
@@ -906,6 +935,7 @@ int main(void)
         CASE(a_file_that_does_not_say_the_frame_is_read_as_before),
         CASE(frames_may_lack_the_truth_that_others_have_since_version_2),
         CASE(a_second_embedding_is_kept_since_version_3),
+        cmocka_unit_test(the_last_layer_stands_for_the_activations_where_it_is_the_only_tap),
         CASE(embeddings_stored_as_codes_are_read_as_floats),
         CASE(a_projection_is_kept_since_version_4),
         CASE(a_projection_that_breaks_a_rule_is_refused),

@@ -80,6 +80,18 @@ void another_choice_while_driving_says_what_it_replaces(void **)
     expect(choice, "selected winter of 4 in place of summer, which the newest frames suit less");
 }
 
+void a_margin_says_how_much_of_it_the_named_neurons_make(void **)
+{
+    const auto expect_share = [](const vdna::program::MarginShare &share, const char *sentence) {
+        assert_string_equal(vdna::program::sentence_of(share).data(), sentence);
+    };
+    expect_share({"winter", "night", 1.834, 0.567, 10, 1280},
+                 "winter is 1.83 bins nearer than night: 10 of 1280 neurons make 31 % of it");
+    expect_share({"winter", "night", -0.5, 0.25, 1, 2},
+                 "winter is 0.50 bins farther than night: 1 of 2 neurons make -50 % of it");
+    expect_share({"winter", "night", 0, 0.25, 1, 2}, "winter is as near as night");
+}
+
 void a_long_reason_is_cut(void **)
 {
     const std::string reason(5000, 'x');
@@ -100,6 +112,7 @@ int main()
         cmocka_unit_test(a_run_unlike_all_is_told_what_would_help),
         cmocka_unit_test(too_poor_a_choice_is_told_what_would_help),
         cmocka_unit_test(another_choice_while_driving_says_what_it_replaces),
+        cmocka_unit_test(a_margin_says_how_much_of_it_the_named_neurons_make),
         cmocka_unit_test(a_long_reason_is_cut),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

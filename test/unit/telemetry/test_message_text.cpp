@@ -210,6 +210,38 @@ void a_ranking_says_what_does_not_fit_and_what_would_help(void **)
     ranking->count = SAMPLE_COUNT;
 }
 
+void a_ranking_says_why_with_the_neurons_that_tell_its_first_two_apart(void **)
+{
+    Sample<vdna_msg_ranking_t> ranking(vdna_message_ranking);
+    fill_ranking(ranking);
+    ranking->count = ranking->reasons = 2;
+    ranking->neurons = 1280;
+    for (int i = 0; i < 2; i++) {
+        ranking->reason_neuron[i] = 512 + i;
+        ranking->reason_bins[i] = i == 0 ? 0.5 : -0.25;
+        ranking->live_bin[i] = 100.5;
+        ranking->winner_bin[i] = 110.25;
+        ranking->runner_up_bin[i] = 400.75;
+        ranking->winner_most[i] = i == 0 ? 7 : -1;
+    }
+    const std::string text = ranking.text();
+    assert_true(
+        text.find("\n             text is 1.75 bins nearer than text: 2 of 1280 neurons make "
+                  "14 % of it\n             text 512: +0.5000 bins, mean bin live 100.5, "
+                  "first 110.2, second 400.8\n             text 513: -0.2500 bins") !=
+        std::string::npos);
+    const nlohmann::ordered_json json = ranking.json();
+    assert_true(json["neurons"] == 1280 && json["reasons"].size() == 2);
+    assert_true(json["reasons"][0]["tap"] == "text" && json["reasons"][0]["neuron"] == 512);
+    assert_true(json["reasons"][0]["winner_most"] == 7 && json["reasons"][1]["bins"] == -0.25);
+    assert_true(json["reasons"][1]["runner_up_bin"] == 400.75);
+
+    ranking->reasons = 0;
+    assert_true(ranking.text().find("nearer") == std::string::npos);
+    assert_true(ranking.json()["reasons"].empty());
+    ranking->count = ranking->reasons = SAMPLE_COUNT;
+}
+
 void where_no_experience_fits_there_is_a_place_and_in_a_changed_map_none(void **)
 {
     Sample<vdna_msg_localisation_t> answer(vdna_message_localisation);
@@ -313,6 +345,7 @@ int main()
         cmocka_unit_test(an_unsure_answer_says_how_unsure),
         cmocka_unit_test(a_ranking_says_by_what_it_ranks_and_what_to_expect),
         cmocka_unit_test(a_ranking_says_what_does_not_fit_and_what_would_help),
+        cmocka_unit_test(a_ranking_says_why_with_the_neurons_that_tell_its_first_two_apart),
         cmocka_unit_test(where_no_experience_fits_there_is_a_place_and_in_a_changed_map_none),
         cmocka_unit_test(every_state_has_a_name_of_its_own),
         cmocka_unit_test(a_status_says_what_of_the_map_is_not_in_use),

@@ -238,7 +238,7 @@ static void a_ranking_of_nothing_is_well_formed(void **state)
 {
     (void)state;
     vdna_msg_ranking_t empty = sample_ranking;
-    empty.count = 0;
+    empty.count = empty.reasons = 0;
     uint8_t bytes[256];
     const int size = vdna_msg_ranking_t_encode(bytes, 0, sizeof bytes, &empty);
     assert_int_equal(judge(&messages[RANKING], bytes, (size_t)size), VDNA_OK);

@@ -148,7 +148,7 @@ static void every_message_comes_decoded_and_in_order(void **state)
 static void a_message_that_breaks_its_format_comes_with_the_reason(void **state)
 {
     log_file *log = *state;
-    uint8_t bytes[256];
+    uint8_t bytes[1024];
     const int size = vdna_msg_ranking_t_encode(bytes, 0, sizeof bytes, &sample_ranking);
     send_raw(log, "RANKING", bytes, (size_t)size - 1);
     send_raw(log, "RANKING", "", 0);

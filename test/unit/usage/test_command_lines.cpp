@@ -1,4 +1,5 @@
 // The command lines of our programs have one style, and their examples are understood.
+#include <algorithm>
 #include <cctype>
 #include <functional>
 #include <sstream>
@@ -7,13 +8,12 @@
 
 #include <unistd.h>
 
+#include "cmocka.hpp" // whose fail() is a macro
 #include "folder.hpp"
 #include "selectord/command_line.hpp"
 #include "serve/command_line.hpp"
 #include "usage/help.hpp"
 #include "vdna/command_line.hpp"
-
-#include "cmocka.hpp" // whose fail() is a macro
 
 namespace
 {
@@ -96,7 +96,7 @@ void help_fits_every_width(void **)
     });
 }
 
-// The words of a command line, without quotes.
+// The words of a command line, without quotes, up to what is the shell's.
 std::vector<std::string> words_of(const std::string &line)
 {
     std::vector<std::string> words(1);
@@ -109,6 +109,10 @@ std::vector<std::string> words_of(const std::string &line)
         else
             words.back() += c;
     }
+    const auto is_of_shell = [](const std::string &word) {
+        return word == "&&" || word == "|" || word[0] == '>';
+    };
+    words.erase(std::find_if(words.begin(), words.end(), is_of_shell), words.end());
     return words;
 }
 

@@ -3,11 +3,10 @@
 #include <sstream>
 #include <string>
 
+#include "cmocka.hpp" // whose fail() is a macro
 #include "usage/completion.hpp"
 #include "usage/help.hpp"
 #include "usage/manual_page.hpp"
-
-#include "cmocka.hpp" // whose fail() is a macro
 
 namespace
 {
