@@ -59,13 +59,16 @@ Unit read_unit(const fs::path &root)
 {
     Unit unit;
     unit.is_managed = is_there(root / "run/systemd/system");
-    unit.has_settings = is_there(root / "etc/vdna.toml");
+    unit.has_settings = is_there(root / fs::path(packaged_settings).relative_path());
+    unit.has_old_settings = is_there(root / "etc/vdna.toml");
     for (const char *folder :
          {"etc/systemd/system", "lib/systemd/system", "usr/lib/systemd/system"})
         if (unit.file.empty() && is_there(root / folder / unit_name))
             unit.file = root / folder / unit_name;
     const std::string text = read_text(unit.file).value_or("");
     unit.is_other_user = is_yes(text, "DynamicUser");
+    if (const std::string state = value_of(text, "StateDirectory"); !state.empty())
+        unit.state = "/var/lib/" + state;
     unit.hides_home = is_yes(text, "ProtectHome");
     unit.hides_temporary = is_yes(text, "PrivateTmp");
     unit.is_enabled = is_there(root / "etc/systemd/system/multi-user.target.wants" / unit_name);
@@ -133,6 +136,12 @@ bool is_below(const std::string &path, std::initializer_list<const char *> folde
                        [&](const std::string &folder) { return path.rfind(folder + "/", 0) == 0; });
 }
 
+// systemd gives this folder to the service's user, and hides it from others.
+bool is_in_state(const Access &file, const Unit &unit)
+{
+    return !unit.state.empty() && is_below(file.path, {unit.state.c_str()});
+}
+
 // Why the service cannot read a file that we can; ok if it can.
 Verdict access_of_service(const Access &file, const Unit &unit)
 {
@@ -143,7 +152,7 @@ Verdict access_of_service(const Access &file, const Unit &unit)
     if (unit.hides_temporary && is_below(file.path, {"/tmp", "/var/tmp"}))
         return broken(file.path + " is hidden from the service by PrivateTmp=yes",
                       "move it to /var/lib/vdna");
-    if (unit.is_other_user && !file.barrier.empty())
+    if (unit.is_other_user && !file.barrier.empty() && !is_in_state(file, unit))
         return broken(file.barrier + " cannot be read by the service's user",
                       "sudo chmod o+rX " + file.barrier);
     return ok("");
@@ -220,6 +229,8 @@ Verdict check_access(const MachineFacts &machine)
 {
     const Unit &unit = machine.unit;
     for (const Access &file : machine.files) {
+        if (!file.for_us && unit.is_other_user && is_in_state(file, unit))
+            return unknown(file.path + " is the service's own; see it with sudo vdna doctor");
         if (!file.for_us)
             return broken(file.path + " cannot be read by this user",
                           is_there(file.path) ? "sudo chmod a+rX " + file.path
@@ -242,8 +253,12 @@ Verdict check_unit(const Unit &unit)
         return warn(std::string(unit_name) + " is not installed: nothing starts the daemon",
                     "install the package vdna-selectord");
     if (!unit.has_settings)
-        return broken("the service does not start: there is no /etc/vdna.toml",
-                      "vdna_selectord --print-config | sudo tee /etc/vdna.toml, then edit it");
+        return broken(std::string("the service does not start: there is no ") + packaged_settings,
+                      std::string("vdna_selectord --print-config | sudo tee ") + packaged_settings +
+                          ", then edit it");
+    if (unit.has_old_settings)
+        return warn("/etc/vdna.toml is no longer read",
+                    std::string("sudo mv /etc/vdna.toml ") + packaged_settings);
     if (!unit.is_active)
         return broken("the service does not run",
                       "sudo systemctl enable --now vdna_selectord; `journalctl -u vdna_selectord` "

@@ -18,10 +18,12 @@ struct Unit {
     bool is_managed = false; // systemd runs this machine
     std::string file;        // "" = not installed
     bool is_enabled = false, is_active = false;
-    bool has_settings = false;    // /etc/vdna.toml, without which it does not start
-    bool is_other_user = false;   // it runs as a user who owns nothing: DynamicUser=
-    bool hides_home = false;      // ProtectHome=
-    bool hides_temporary = false; // PrivateTmp=
+    bool has_settings = false;     // packaged_settings, without which it does not start
+    std::string state;             // folder that is its own, as /var/lib/vdna; "" = none
+    bool has_old_settings = false; // /etc/vdna.toml, where they were before 0.2
+    bool is_other_user = false;    // it runs as a user who owns nothing: DynamicUser=
+    bool hides_home = false;       // ProtectHome=
+    bool hides_temporary = false;  // PrivateTmp=
 };
 
 // A file or a folder that the daemon reads.

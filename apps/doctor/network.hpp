@@ -40,7 +40,7 @@ std::string printable(std::string name);
 // "POSE bot_core.pose_t 100 Hz"
 std::string text_of(const vdna_transport_overheard &channel);
 
-// "in [lcm] of /etc/vdna.toml"
+// "in [lcm] of /etc/vdna/vdna.toml"
 std::string section_of(const std::string &section, const Settings &settings);
 
 } // namespace vdna::doctor

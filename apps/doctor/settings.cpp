@@ -20,8 +20,6 @@ namespace vdna::doctor
 namespace
 {
 
-constexpr const char *packaged_file = "/etc/vdna.toml";
-
 std::string find_daemon()
 {
     for (const std::filesystem::path &path : {backbone::beside_program("vdna_selectord"),
@@ -98,8 +96,8 @@ Settings read_settings(const Named &named, Trial &out_trial)
 {
     Settings settings;
     settings.file = named.file;
-    if (named.file.empty() && access(packaged_file, F_OK) == 0)
-        settings.file = packaged_file;
+    if (named.file.empty() && access(packaged_settings, F_OK) == 0)
+        settings.file = packaged_settings;
     settings.map = named.map.empty() ? settings.map : named.map;
     settings.url = named.url;
     out_trial.program = find_daemon();

@@ -19,6 +19,9 @@ struct Named {
     std::string file, map, url;
 };
 
+// The settings of the service, as its package installs them.
+constexpr const char *packaged_settings = "/etc/vdna/vdna.toml";
+
 // The members hold what counts where no daemon is installed.
 struct Settings {
     std::string file; // of TOML; "" = none, all defaults

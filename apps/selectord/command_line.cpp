@@ -22,6 +22,9 @@ struct Options {
     std::optional<double> warmup_seconds;
 };
 
+const char *const about = "Choose, onboard and live, the recorded experience that fits the current "
+                          "conditions, and localise in it";
+
 const char *const footer = R"(
 Camera frames (bot_core.image_t) come in over LCM. The first ones are compared with the Visual DNA
 of every experience of the map; the one that promises most is chosen, unless none fits, and later
@@ -44,6 +47,8 @@ used, the answers cannot be written, or the system refuses the requested memory 
 the configuration file is wrong.
 
 Examples:
+  vdna_selectord --print-config
+  vdna_selectord -c vdna.toml --check
   vdna_selectord --map ~/maps/campus --warmup-frames 50 -l )" VDNA_LCM_URL R"(
   vdna_selectord --map ~/maps/campus -l 'file:///data/drive.log?speed=0' --answers drive.jsonl)";
 
@@ -64,37 +69,40 @@ void apply(const Options &options, Config &config)
 
 void describe(CLI::App &app, Options &options, Invocation &invocation)
 {
-    app.add_option("-c,--config", options.file, "Read settings from this TOML file")
+    usage::add_standard_options(app, std::string("vdna_selectord ") + vdna_version());
+    app.add_option("-c,--config", options.file,
+                   "read settings from this TOML file, which options override")
         ->type_name("FILE");
-    app.add_option("--map", options.map, "Directory of experience files")->type_name("DIR");
+    app.add_option("--map", options.map, "directory of experience files")->type_name("DIR");
     app.add_option(
            "--backbone", options.backbone,
-           "Network the map was built with: a name, or the path of a .toml or of a plug-in, "
-           "./libNAME.so")
-        ->type_name("NAME|FILE");
+           "network the map was built with: a name, or the path of a .toml or of a plug-in, "
+           "./libNAME.so, which is code")
+        ->type_name("NETWORK|PATH");
     CLI::Option *frames =
-        app.add_option("--warmup-frames", options.warmup_frames, "Choose after this many frames")
+        app.add_option("--warmup-frames", options.warmup_frames, "choose after this many frames")
             ->type_name("N")
-            ->check(CLI::Range(uint32_t{1}, UINT32_MAX));
-    app.add_option("--warmup-seconds", options.warmup_seconds, "Choose after this much camera time")
+            ->check(CLI::Range(uint32_t{1}, UINT32_MAX).description(""));
+    app.add_option("--warmup-seconds", options.warmup_seconds, "choose after this much camera time")
         ->type_name("T")
         ->check(program::within(warmup_seconds_min, warmup_seconds_max))
         ->excludes(frames);
     app.add_option("-l,--lcm-url", options.url,
-                   "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
+                   "LCM network, or a log to replay (default: $LCM_DEFAULT_URL, else LCM's)")
         ->type_name("URL");
     app.add_option("--answers", invocation.answers,
-                   "Write every answer to this file too, as `vdna watch --json` does")
-        ->type_name("FILE.jsonl");
+                   "also write every answer to this file, one JSON object per line, as `vdna watch "
+                   "--json` prints them; an earlier file of answers is emptied, another file is "
+                   "refused")
+        ->type_name("PATH");
     app.add_flag("--print-config", invocation.print_config,
-                 "Print the settings in force as TOML and exit");
+                 "print the settings in force as TOML, each with its meaning, and exit");
     app.add_flag("--check", invocation.check,
-                 "Open the map and the network, report whether they fit, and exit");
+                 "open the map and the network, report whether they fit, and exit");
     CLI::Option *memory =
         app.add_flag("--print-memory", invocation.print_memory,
-                     "Also open map and network, state all memory that will be held, and exit");
-    app.add_flag("--json", invocation.json, "With --print-memory: as JSON")->needs(memory);
-    app.set_version_flag("--version", std::string("vdna_selectord ") + vdna_version());
+                     "also open map and network, state all memory that will be held, and exit");
+    app.add_flag("--json", invocation.json, "with --print-memory: as JSON")->needs(memory);
     app.footer(footer);
 }
 
@@ -102,9 +110,7 @@ void describe(CLI::App &app, Options &options, Invocation &invocation)
 
 std::optional<Invocation> read_command_line(int argc, const char *const *argv)
 {
-    CLI::App app("Chooses, onboard and live, the recorded experience that fits the current "
-                 "conditions, and localises in it.",
-                 "vdna_selectord");
+    CLI::App app(about, "vdna_selectord");
     Options options;
     Invocation invocation;
     describe(app, options, invocation);
@@ -119,7 +125,18 @@ std::optional<Invocation> read_command_line(int argc, const char *const *argv)
     if (options.file)
         invocation.config = read_config(*options.file);
     apply(options, invocation.config);
+    if (invocation.print_config) // for a file in any folder
+        make_paths_absolute(invocation.config);
     return invocation;
+}
+
+usage::Command described_command_line()
+{
+    CLI::App app(about, "vdna_selectord");
+    Options options;
+    Invocation invocation;
+    describe(app, options, invocation);
+    return usage::described(app, "vdna_selectord");
 }
 
 } // namespace vdna::selectord

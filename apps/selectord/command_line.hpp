@@ -5,6 +5,7 @@
 #include <string>
 
 #include "selectord/config.hpp"
+#include "usage/described.hpp"
 
 namespace vdna::selectord
 {
@@ -21,5 +22,8 @@ struct Invocation {
 
 // Nothing after answering --help or --version. Throws Error.
 std::optional<Invocation> read_command_line(int argc, const char *const *argv);
+
+// What it takes.
+usage::Command described_command_line();
 
 } // namespace vdna::selectord

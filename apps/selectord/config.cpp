@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -28,14 +29,23 @@ namespace
 using Member = std::variant<std::string Config::*, uint32_t Config::*, int32_t Config::*,
                             double Config::*, bool Config::*>;
 
+// What a text is: relative paths are those of the file's folder.
+enum class Text {
+    plain,
+    path,
+    name_or_path, // a path if it has a '/' or ends in .toml
+};
+
 // One key of the file. The limits apply to a number, or to the length of a text in bytes; a boolean
-// has none.
+// has none. about: what print_config() says of it, beside limits and default.
 struct Setting {
     const char *section;
     const char *key;
     Member member;
     double least;
     double most;
+    const char *about;
+    Text text = Text::plain;
 };
 
 constexpr double path_max = 4095; // bytes: PATH_MAX
@@ -49,47 +59,95 @@ constexpr double tolerance_max = 1e6;
 constexpr double switch_cost_max = 1e6;
 
 const std::array<Setting, 41> settings{{
-    {"map", "directory", &Config::map_directory, 1, path_max},
-    {"map", "copy", &Config::copy_map, 0, 0},
-    {"map", "leave_out_damaged", &Config::leave_out_damaged, 0, 0},
-    {"backbone", "manifest", &Config::manifest, 1, path_max},
-    {"backbone", "threads", &Config::threads, 1, threads_max},
-    {"backbone", "runtime", &Config::runtime, 0, path_max},
-    {"backbone", "process", &Config::backbone_process, 0, 0},
-    {"backbone", "budget_ms", &Config::budget_ms, 0, backbone_budget_ms_max},
-    {"warmup", "frames", &Config::warmup_frames, 1, UINT32_MAX},
-    {"warmup", "seconds", &Config::warmup_seconds, warmup_seconds_min, warmup_seconds_max},
-    {"warmup", "frames_min", &Config::warmup_frames_min, 1, UINT32_MAX},
-    {"select", "top", &Config::top, 1, UINT32_MAX},
-    {"select", "rank", &Config::rank, 1, path_max},
-    {"select", "min_recall", &Config::min_recall, 0, 1},
-    {"select", "stop_early", &Config::stop_early, 0, 0},
-    {"select", "reselect", &Config::reselect, 0, 0},
-    {"select", "switch_cost", &Config::switch_cost, 1, switch_cost_max},
-    {"select", "pin", &Config::pin, 0, VDNA_NAME_SIZE - 1},
-    {"select", "shadow", &Config::shadow, 0, 0},
-    {"localise", "filter", &Config::place_filter, 0, 0},
-    {"localise", "min_confidence", &Config::min_confidence, 0, 1},
-    {"localise", "tolerance", &Config::tolerance, 0, tolerance_max},
-    {"camera", "health", &Config::frame_health, 0, 0},
-    {"camera", "stale_seconds", &Config::stale_seconds, 0, warmup_seconds_max},
-    {"lcm", "url", &Config::url, 0, path_max},
-    {"lcm", "sources", &Config::sources, 0, path_max},
-    {"lcm", "require_protection", &Config::require_protection, 0, 0},
-    {"lcm", "standby", &Config::standby, 0, 0},
-    {"lcm", "camera", &Config::camera_channel, 1, channel_max},
-    {"lcm", "late_seconds", &Config::late_seconds, 0, warmup_seconds_max},
-    {"lcm", "command", &Config::command_channel, 1, channel_max},
-    {"lcm", "command_result", &Config::command_result_channel, 1, channel_max},
-    {"lcm", "ranking", &Config::ranking_channel, 1, channel_max},
-    {"lcm", "localisation", &Config::localisation_channel, 1, channel_max},
-    {"lcm", "status", &Config::status_channel, 1, channel_max},
-    {"lcm", "max_image_bytes", &Config::max_image_bytes, image_bytes_min, image_bytes_max},
-    {"lcm", "max_image_pixels", &Config::max_image_pixels, 1, VDNA_IMAGE_PIXELS_MAX},
-    {"memory", "budget_mb", &Config::budget_mb, 0, budget_mb_max},
-    {"memory", "lock", &Config::lock_memory, 0, 0},
-    {"cpu", "affinity", &Config::affinity, 0, path_max},
-    {"cpu", "nice", &Config::nice, -20, nice_max},
+    {"map", "directory", &Config::map_directory, 1, path_max, "the map: folder of experience files",
+     Text::path},
+    {"map", "copy", &Config::copy_map, 0, 0,
+     "hold the map in memory; false: map its files, which the system may take back and must read "
+     "again"},
+    {"map", "leave_out_damaged", &Config::leave_out_damaged, 0, 0,
+     "serve a map without the experiences that are damaged; false: do not start"},
+    {"backbone", "manifest", &Config::manifest, 1, path_max,
+     "network that the map was built with: a name, the path of a .toml, or of a plug-in, "
+     "./libNAME.so",
+     Text::name_or_path},
+    {"backbone", "threads", &Config::threads, 1, threads_max, "compute threads of the network"},
+    {"backbone", "runtime", &Config::runtime, 0, path_max,
+     "path of libonnxruntime.so; \"\" finds the installed one", Text::name_or_path},
+    {"backbone", "process", &Config::backbone_process, 0, 0,
+     "run the network in a process of its own, which is started again if it crashes or hangs"},
+    {"backbone", "budget_ms", &Config::budget_ms, 0, backbone_budget_ms_max,
+     "longest time for a picture in that process, milliseconds; 0: ten times what it takes at the "
+     "start, at least 500"},
+    {"warmup", "frames", &Config::warmup_frames, 1, UINT32_MAX,
+     "choose after this many frames, or sooner: see stop_early"},
+    {"warmup", "seconds", &Config::warmup_seconds, warmup_seconds_min, warmup_seconds_max,
+     "choose after this much camera time, seconds"},
+    {"warmup", "frames_min", &Config::warmup_frames_min, 1, UINT32_MAX,
+     "fewest frames of a warmup in seconds, which goes on until it has them"},
+    {"select", "top", &Config::top, 1, UINT32_MAX,
+     "localise in this many of the first experiences of the ranking; the most confident answers"},
+    {"select", "rank", &Config::rank, 1, path_max,
+     "\"transfer\": by predicted recall where labels of the map allow it, else by distance; "
+     "\"emd\": by distance"},
+    {"select", "min_recall", &Config::min_recall, 0, 1,
+     "no experience fits if less than this share of right answers is predicted of the best"},
+    {"select", "stop_early", &Config::stop_early, 0, 0,
+     "choose as soon as the choice has settled, at the latest after the whole warmup"},
+    {"select", "reselect", &Config::reselect, 0, 0,
+     "choose again while driving; needs [localise] filter"},
+    {"select", "switch_cost", &Config::switch_cost, 1, switch_cost_max,
+     "frames that another experience must be better by before it replaces the choice"},
+    {"select", "pin", &Config::pin, 0, VDNA_NAME_SIZE - 1,
+     "experience to localise in from the start, whatever the ranking says; \"\": the ranking "
+     "chooses"},
+    {"select", "shadow", &Config::shadow, 0, 0,
+     "recommend only: the first choice stays, and better ones are told"},
+    {"localise", "filter", &Config::place_filter, 0, 0,
+     "follow the robot by all frames, with a confidence; false: the nearest frame alone"},
+    {"localise", "min_confidence", &Config::min_confidence, 0, 1,
+     "answers of less confidence are UNSURE in place of VALID"},
+    {"localise", "tolerance", &Config::tolerance, 0, tolerance_max,
+     "frames within this distance are one place: metres if the map has positions, else place "
+     "numbers"},
+    {"camera", "health", &Config::frame_health, 0, 0,
+     "leave out pictures that show nothing, or nothing new: black, covered, frozen"},
+    {"camera", "stale_seconds", &Config::stale_seconds, 0, warmup_seconds_max,
+     "time without a used frame after which the answer is STALE, seconds; 0: 1 s and the time of "
+     "two frames"},
+    {"lcm", "url", &Config::url, 0, path_max,
+     "LCM network, udpm://ADDRESS:PORT?ttl=N; \"\": $LCM_DEFAULT_URL, else that of LCM"},
+    {"lcm", "sources", &Config::sources, 0, path_max,
+     "IPv4 addresses that may send, \"10.0.0.2,10.0.0.3\"; \"\": this machine alone with ttl=0, "
+     "else every one"},
+    {"lcm", "require_protection", &Config::require_protection, 0, 0,
+     "refuse camera frames that carry no checksum"},
+    {"lcm", "standby", &Config::standby, 0, 0,
+     "stand by while another daemon serves on these channels"},
+    {"lcm", "camera", &Config::camera_channel, 1, channel_max, "channel of the camera frames"},
+    {"lcm", "late_seconds", &Config::late_seconds, 0, warmup_seconds_max,
+     "leave out a frame up to this much older than the newest, seconds; an older one is a step "
+     "back of camera time"},
+    {"lcm", "command", &Config::command_channel, 1, channel_max,
+     "channel of the commands that come in"},
+    {"lcm", "command_result", &Config::command_result_channel, 1, channel_max,
+     "channel of the results of commands that go out"},
+    {"lcm", "ranking", &Config::ranking_channel, 1, channel_max,
+     "channel of the rankings that go out"},
+    {"lcm", "localisation", &Config::localisation_channel, 1, channel_max,
+     "channel of the answers that go out, one for each frame"},
+    {"lcm", "status", &Config::status_channel, 1, channel_max,
+     "channel of the status that goes out once a second"},
+    {"lcm", "max_image_bytes", &Config::max_image_bytes, image_bytes_min, image_bytes_max,
+     "refuse larger messages of the camera, bytes; sets how much memory is held"},
+    {"lcm", "max_image_pixels", &Config::max_image_pixels, 1, VDNA_IMAGE_PIXELS_MAX,
+     "refuse larger pictures, pixels; sets how much memory is held"},
+    {"memory", "budget_mb", &Config::budget_mb, 0, budget_mb_max,
+     "do not start if more memory would be held, MiB; 0: no limit"},
+    {"memory", "lock", &Config::lock_memory, 0, 0, "lock all memory, so that none is swapped out"},
+    {"cpu", "affinity", &Config::affinity, 0, path_max,
+     "processors to run on, as for taskset: \"0,2-3\"; \"\": all"},
+    {"cpu", "nice", &Config::nice, -20, nice_max,
+     "added to the niceness of the process: above 0 leaves others first"},
 }};
 
 [[noreturn]] void fail(const std::string &path, const toml::source_position &at,
@@ -120,9 +178,13 @@ std::string describe_found(const toml::node &node)
     return node.is_table() ? "a table" : out.str();
 }
 
+std::string whole(double number)
+{
+    return std::to_string(static_cast<int64_t>(number));
+}
+
 std::string describe_expected(const Setting &setting)
 {
-    const auto whole = [](double number) { return std::to_string(static_cast<int64_t>(number)); };
     if (std::holds_alternative<bool Config::*>(setting.member))
         return "true or false";
     if (std::holds_alternative<std::string Config::*>(setting.member))
@@ -187,6 +249,28 @@ bool take(const toml::node &node, const Setting &setting, double &out)
     return true;
 }
 
+bool is_path(const Setting &setting, const std::string &text)
+{
+    const bool named_path =
+        text.find('/') != std::string::npos || std::filesystem::path(text).extension() == ".toml";
+    return !text.empty() &&
+           (setting.text == Text::path || (setting.text == Text::name_or_path && named_path));
+}
+
+// A path in a file, as an absolute one: ~/ is the home directory, a relative one begins in the
+// file's folder.
+std::string resolved(const std::string &file, const Setting &setting, const std::string &text)
+{
+    namespace fs = std::filesystem;
+    if (text != "~" && text.rfind("~/", 0) != 0)
+        return (fs::absolute(file).parent_path() / text).lexically_normal();
+    const char *home = std::getenv("HOME");
+    if (!home || home[0] != '/')
+        throw program::UsageError(file + ": [" + setting.section + "] " + setting.key + " is \"" +
+                                  text + "\", but HOME is no absolute path; write the path out");
+    return (fs::path(home) / text.substr(std::min<size_t>(2, text.size()))).lexically_normal();
+}
+
 void read_setting(const std::string &path, const Setting &setting, const toml::node &node,
                   Config &config)
 {
@@ -197,6 +281,15 @@ void read_setting(const std::string &path, const Setting &setting, const toml::n
              std::string("[") + setting.section + "] " + setting.key + " is " +
                  describe_found(node) + ", expected " + describe_expected(setting) +
                  "; correct it, or remove it to get the default");
+    if (const auto *member = std::get_if<std::string Config::*>(&setting.member))
+        if (std::string &text = config.**member; is_path(setting, text)) {
+            text = resolved(path, setting, text);
+            if (!is_within(setting, static_cast<double>(text.size())))
+                fail(path, node.source().begin,
+                     std::string("[") + setting.section + "] " + setting.key + " has " +
+                         std::to_string(text.size()) + " bytes with the folder of this file, " +
+                         "expected at most " + whole(path_max) + "; shorten it");
+        }
 }
 
 void read_section(const std::string &path, const toml::key &section, const toml::table &table,
@@ -273,6 +366,25 @@ toml::table parse(const std::string &path)
     }
 }
 
+std::string text_of(const Setting &setting, const Config &config)
+{
+    return std::visit([&](auto member) { return toml_text(config.*member); }, setting.member);
+}
+
+// " (1 to 256, default 2)"
+std::string limits_and_default(const Setting &setting)
+{
+    const std::string by_default = "default " + text_of(setting, Config());
+    if (std::holds_alternative<bool Config::*>(setting.member) ||
+        std::holds_alternative<std::string Config::*>(setting.member))
+        return " (" + by_default + ")";
+    const std::string limits = std::holds_alternative<double Config::*>(setting.member)
+                                   ? toml_text(setting.least) + " to " + toml_text(setting.most)
+                                   : whole(setting.least) + " to " + whole(setting.most);
+    const bool has_default = setting.member != Member(&Config::warmup_seconds);
+    return " (" + limits + (has_default ? ", " + by_default : "") + ")";
+}
+
 // One channel for two things would send our own messages to us, or mix them.
 void require_different_channels(const std::string &path, const Config &config)
 {
@@ -314,20 +426,32 @@ Config read_config(const std::string &path)
     return config;
 }
 
+void make_paths_absolute(Config &config)
+{
+    for (const Setting &setting : settings)
+        if (const auto *member = std::get_if<std::string Config::*>(&setting.member))
+            if (std::string &text = config.**member; is_path(setting, text))
+                text = std::filesystem::absolute(text).lexically_normal();
+}
+
 void print_config(const Config &config, std::ostream &out)
 {
-    const std::string unused_warmup = config.warmup_frames > 0 ? "seconds" : "frames";
+    out << "# Settings of vdna_selectord. A key that is left out has its default. In paths, ~/ is "
+           "the\n"
+           "# home directory, and what does not begin with / begins in the folder of this file.\n";
+    const bool by_frames = config.warmup_frames > 0;
+    const std::string used = by_frames ? "frames" : "seconds";
+    const std::string unused = by_frames ? "seconds" : "frames";
     std::string section;
     for (const Setting &setting : settings) {
-        if (setting.key == unused_warmup)
-            continue;
-        if (section != setting.section) {
-            out << (section.empty() ? "[" : "\n[") << setting.section << "]\n";
-            section = setting.section;
-        }
-        out << setting.key << " = "
-            << std::visit([&](auto member) { return toml_text(config.*member); }, setting.member)
-            << '\n';
+        if (section != setting.section)
+            out << "\n[" << setting.section << "]\n";
+        section = setting.section;
+        const bool is_unused = section == "warmup" && setting.key == unused;
+        out << "# " << (is_unused ? unused + ", in place of " + used + ": " : "") << setting.about
+            << limits_and_default(setting) << '\n';
+        if (!is_unused)
+            out << setting.key << " = " << text_of(setting, config) << '\n';
     }
 }
 

@@ -5,13 +5,11 @@
 #include <optional>
 #include <random>
 
-#include <CLI/CLI.hpp>
 #include <malloc.h>
-
-#include <vdna/version.h>
 
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
+#include "serve/command_line.hpp"
 #include "serve/page_server.hpp"
 #include "serve/reception.hpp"
 
@@ -20,14 +18,6 @@ namespace vdna::serve
 
 namespace
 {
-
-struct Options {
-    Channels channels;
-    std::string command_channel = VDNA_CHANNEL_COMMAND;
-    std::string address = "127.0.0.1";
-    int port = 8070;
-    std::string map; // directory; "" = none
-};
 
 void check(const Options &options)
 {
@@ -97,32 +87,6 @@ void serve(const Options &options)
             "the page can no longer be served: the system refuses connections; start again");
 }
 
-void add_options(CLI::App &app, Options &options)
-{
-    app.add_option("-l,--lcm-url", options.channels.url,
-                   "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
-        ->type_name("URL");
-    app.add_option("--address", options.address,
-                   "address of this machine to listen on; 0.0.0.0 = all of them, for whoever is in "
-                   "the network to look, unencrypted")
-        ->capture_default_str();
-    app.add_option("--port", options.port, "TCP port; 0 = any free one")
-        ->check(CLI::Range(0, 65535))
-        ->capture_default_str();
-    app.add_option("--map", options.map,
-                   "map of the daemon, to show its matched frame beside the camera's picture")
-        ->type_name("DIR");
-    options.channels.camera = VDNA_CHANNEL_CAMERA;
-    app.add_option("--camera", options.channels.camera, "channel")->capture_default_str();
-    for (const telemetry::View &view : telemetry::views())
-        options.channels.views.push_back(view.channel);
-    for (size_t i = 0; i < options.channels.views.size(); i++)
-        app.add_option(std::string("--") + telemetry::views()[i].name, options.channels.views[i],
-                       "channel")
-            ->capture_default_str();
-    app.add_option("--command", options.command_channel, "channel")->capture_default_str();
-}
-
 int fail(const std::string &sentence, int code)
 {
     std::cerr << "vdna serve: " << sentence << '\n';
@@ -133,31 +97,15 @@ int fail(const std::string &sentence, int code)
 
 } // namespace vdna::serve
 
-// NOLINTNEXTLINE(bugprone-exception-escape): only of options that clash
 int main(int argc, char **argv)
 {
     // Threads that share their heaps: half the memory.
     mallopt(M_ARENA_MAX, 1);
     vdna::program::catch_interrupts();
-    CLI::App app(
-        "Show a running vdna_selectord in a browser: what the camera sees, which experience "
-        "is chosen and why, how sure the places are, and what is wrong. Nothing comes "
-        "from another machine. Ends with Ctrl-C.",
-        "vdna serve");
-    app.set_version_flag("--version", std::string("vdna_serve ") + vdna_version());
-    app.footer("Example:\n  vdna serve --port 8070\nFrom another machine, through ssh:\n  "
-               "ssh -L 8070:127.0.0.1:8070 ROBOT vdna serve");
-    vdna::serve::Options options;
-    vdna::serve::add_options(app, options);
     try {
-        app.parse(argc, argv);
-        vdna::serve::serve(options);
+        if (const auto options = vdna::serve::read_command_line(argc, argv))
+            vdna::serve::serve(*options);
         return vdna::program::exit_ok;
-    } catch (const CLI::Success &request) {
-        return app.exit(request);
-    } catch (const CLI::ParseError &e) {
-        return vdna::serve::fail(std::string(e.what()) + "; see vdna serve --help",
-                                 vdna::program::exit_usage);
     } catch (const vdna::Error &e) {
         return vdna::serve::fail(e.what(), vdna::program::exit_code_of(e));
     } catch (const std::exception &e) {

@@ -165,14 +165,14 @@ void add_build(CLI::App &app)
         app.add_subcommand("build", "Turn recorded traversals into the experience files of a map");
     const auto options = std::make_shared<BuildOptions>();
     command->add_option("MAP", options->map, "directory of the map; made if it does not exist")
-        ->type_name("")
+        ->type_name("DIR")
         ->required();
     command
         ->add_option(
             "SOURCE", options->sources,
             "folder of pictures, video, LCM log or MCAP file; each becomes MAP/NAME.vdna. Files "
             "that a logger cut, drive.lcm.00 and drive.lcm.01, become one")
-        ->type_name("")
+        ->type_name("PATH")
         ->required();
     add_network_options(*command, options->network,
                         std::string("that of the map, else ") + VDNA_BACKBONE_DEFAULT);

@@ -79,17 +79,17 @@ void add_calibrate(CLI::App &app)
         "a map find out how well it predicts its recall");
     const auto options = std::make_shared<CalibrateOptions>();
     options->network.backbone = VDNA_BACKBONE_DEFAULT;
-    command->add_option("OUT.json", options->out, "ranges file to write, JSON")->type_name("");
+    command->add_option("OUT.json", options->out, "ranges file to write, JSON")->type_name("PATH");
     command
         ->add_option("SOURCE", options->sources, "folder of pictures, video, LCM log or MCAP file")
-        ->type_name("");
+        ->type_name("PATH");
     command
         ->add_option(
             "--trust", options->trust,
             "in place of OUT.json and SOURCE: write MAP/" VDNA_MAP_TRUST_FILE
             ", what the map knows about itself. Each experience plays the live run against "
             "every other; those that the file knows already are not played again")
-        ->type_name("MAP");
+        ->type_name("DIR");
     command
         ->add_option("--tolerance", options->tolerance,
                      "with --trust: metres or place numbers within which frames show one place "

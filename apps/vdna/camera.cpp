@@ -146,7 +146,7 @@ void send_camera(CameraOptions options)
 
 void add_device_options(CLI::App &command, CameraOptions &options)
 {
-    const std::string as_set = "; default: as the driver has it set";
+    const std::string as_set = " (default: as the driver has it set)";
     command.add_option("--size", options.size, "size of the pictures of a V4L2 camera" + as_set)
         ->type_name("WxH");
     command
@@ -156,7 +156,7 @@ void add_device_options(CLI::App &command, CameraOptions &options)
         ->type_name("HZ");
     command
         .add_option("--format", options.settings.format,
-                    "pixel format of a V4L2 camera; default: the first of these that it offers")
+                    "pixel format of a V4L2 camera (default: the first of these that it offers)")
         ->check(CLI::IsMember(frames::v4l2_formats(), CLI::ignore_case));
 }
 
@@ -168,12 +168,14 @@ void add_camera(CLI::App &app)
         app.add_subcommand("camera", "Send the frames of a running camera over LCM");
     const auto options = std::make_shared<CameraOptions>();
     command
-        ->add_option("source", options->source,
+        ->add_option("SOURCE", options->source,
                      "V4L2 camera (/dev/video0), stream (rtsp://..., http://...), or video")
         ->required()
-        ->type_name("SOURCE");
+        ->type_name("PATH");
     add_device_options(*command, *options);
-    command->add_option("--channel", options->channel, "channel to send on")->capture_default_str();
+    command->add_option("--channel", options->channel, "channel to send on")
+        ->type_name("CHANNEL")
+        ->capture_default_str();
     command->add_option("--frames", options->frames, "stop after N frames")
         ->type_name("N")
         ->check(CLI::Range(uint64_t{1}, std::numeric_limits<uint64_t>::max()).description(""));
@@ -182,7 +184,7 @@ void add_camera(CLI::App &app)
                       "without it, end with exit 1");
     command
         ->add_option("-l,--lcm-url", options->url,
-                     "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
+                     "LCM network (default: $LCM_DEFAULT_URL, else LCM's)")
         ->type_name("URL");
     command->add_flag("--unprotected", options->unprotected,
                       "leave out the number and checksum by which a receiver tells lost, repeated "

@@ -60,25 +60,31 @@ void add_command(CLI::App &app)
         names.push_back(known.name);
         help += (help.empty() ? "" : "; ") + names.back() + ": " + known.does;
     }
-    command->add_option("command", options->command, help)->required()->check(CLI::IsMember(names));
-    command->add_option("argument", options->argument,
-                        "NAME of an experience; for shadow on or off");
+    command->add_option("COMMAND", options->command, help)->required()->check(CLI::IsMember(names));
+    command
+        ->add_option("ARGUMENT", options->argument, "name of an experience; for shadow on or off")
+        ->type_name("NAME");
     command->add_option("--channel", options->daemon.channel, "channel to send on")
+        ->type_name("CHANNEL")
         ->capture_default_str();
     command
         ->add_option("--result-channel", options->daemon.result_channel, "channel of the results")
         ->capture_default_str();
     command
         ->add_option("-l,--lcm-url", options->daemon.url,
-                     "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
+                     "LCM network (default: $LCM_DEFAULT_URL, else LCM's)")
         ->type_name("URL");
     command
         ->add_option("--timeout", options->daemon.timeout_s,
                      "seconds to wait for the result; a reload reads the whole map")
-        ->check(CLI::Range(0.0, 1e6))
+        ->check(CLI::Range(0.0, 1e6).description(""))
+        ->type_name("SECONDS")
         ->capture_default_str();
     command->add_flag("--no-wait", options->no_wait, "send, and do not wait for the result");
-    command->footer("Exit code 1 if the command is refused or not answered.");
+    command->footer("Exit code 1 if the command is refused or not answered.\n\n"
+                    "Examples:\n"
+                    "  vdna command reset\n"
+                    "  vdna command pin winter --timeout 30");
     command->callback([options] { run_command(*options); });
 }
 

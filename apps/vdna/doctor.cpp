@@ -40,7 +40,8 @@ void add_doctor(CLI::App &app)
     const auto options = std::make_shared<DoctorOptions>();
     command
         ->add_option("-c,--config", options->named.file,
-                     "settings of vdna_selectord; default: /etc/vdna.toml if it is there")
+                     "settings of vdna_selectord (default: " +
+                         std::string(doctor::packaged_settings) + " if it is there)")
         ->type_name("FILE");
     command
         ->add_option("--map", options->named.map, "directory of the map, in place of the settings'")
@@ -48,7 +49,7 @@ void add_doctor(CLI::App &app)
     command
         ->add_option(
             "-l,--lcm-url", options->named.url,
-            "LCM network, in place of the settings'; default: $LCM_DEFAULT_URL, else LCM's")
+            "LCM network, in place of the settings' (default: $LCM_DEFAULT_URL, else LCM's)")
         ->type_name("URL");
     command->add_option("--for", options->seconds, "listen for this time")
         ->type_name("SECONDS")

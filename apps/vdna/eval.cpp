@@ -225,14 +225,14 @@ void run(const EvalOptions &o)
 void add_dataset_options(CLI::App &command, EvalOptions &o)
 {
     command.add_option("DATASET", o.dataset, "directory of the data set")
-        ->type_name("")
+        ->type_name("DIR")
         ->required();
     command
         .add_option("--format,--protocol", o.format,
                     "folders (labels.csv in each), manifest (manifest.csv), nordland, parks (like "
-                    "folders, with 45 s of warmup and GPS), utm (positions in picture names); "
-                    "default: auto-detected (parks must be named)")
-        ->check(CLI::IsMember(frames::dataset_formats).description(""))
+                    "folders, with 45 s of warmup and GPS), utm (positions in picture names) "
+                    "(default: auto-detected; parks must be named)")
+        ->check(CLI::IsMember(frames::dataset_formats))
         ->type_name("NAME");
     command
         .add_option("--partition-frames", o.partition_frames,
@@ -291,7 +291,7 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
             "also vary one thing and report the effect on the ranking: bins, warmup (--bins "
             "and --warmup may then be lists: 10,50,100), tap, leave-one-out")
         ->delimiter(',')
-        ->check(CLI::IsMember(eval::ablation_kinds).description(""))
+        ->check(CLI::IsMember(eval::ablation_kinds))
         ->type_name("WHAT");
     command
         .add_option("--localisers", o.localisers,
@@ -301,7 +301,7 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
                     "references), seqslam (sequences of 10 frames, in each), fused (nearest frame "
                     "in the mean of all references), all (nearest frame of all references)")
         ->delimiter(',')
-        ->check(CLI::IsMember(eval::localiser_keys()).description(""))
+        ->check(CLI::IsMember(eval::localiser_keys()))
         ->type_name("NAME")
         ->default_str("nn,all");
     command
@@ -311,7 +311,7 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
                     "the pictures from elsewhere), gap (a quarter of the route missing in the "
                     "map), off-route (leaves the route halfway)")
         ->delimiter(',')
-        ->check(CLI::IsMember(eval::drive_keys()).description(""))
+        ->check(CLI::IsMember(eval::drive_keys()))
         ->type_name("NAME");
     command
         .add_option("--reselect", o.reselect,

@@ -292,18 +292,18 @@ void add_explain(CLI::App &app)
     command
         ->add_option("LIVE", options->live.path,
                      "folder of pictures, video file or LCM log of the live run")
-        ->type_name("")
+        ->type_name("PATH")
         ->required();
     command->add_option("MAP", options->live.map, "the map to choose from")
-        ->type_name("")
+        ->type_name("DIR")
         ->required();
     command
         ->add_option("--winner", options->winner,
-                     "the experience whose choice is explained; default: the first of the ranking")
+                     "the experience whose choice is explained (default: the first of the ranking)")
         ->type_name("NAME");
     command
         ->add_option("--against", options->against,
-                     "the one it is compared with; default: the next of the ranking")
+                     "the one it is compared with (default: the next of the ranking)")
         ->type_name("NAME");
     command->add_option("--top", options->top, "neurons to name, those that add most to the margin")
         ->check(CLI::Range(1u, 10000u).description(""))

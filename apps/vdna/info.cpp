@@ -238,7 +238,7 @@ void add_info(CLI::App &app)
     command
         ->add_option("PATH", options->paths,
                      "experience files, or map directories; experiences of a map must also compare")
-        ->type_name("")
+        ->type_name("PATH")
         ->required();
     command->add_flag("-l,--long", options->in_full,
                       "all that each experience of a map holds, as of single files");

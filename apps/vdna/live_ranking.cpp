@@ -195,7 +195,7 @@ void add_live_options(CLI::App &command, LiveOptions &options, const std::string
                     when + "transfer, the recall that the map's own runs of this look got, where "
                            "labels tell it, and distance otherwise; or emd, distance, as in the "
                            "paper")
-        ->check(CLI::IsMember({"transfer", "emd"}).description(""))
+        ->check(CLI::IsMember({"transfer", "emd"}))
         ->type_name("NAME")
         ->capture_default_str();
     command

@@ -253,9 +253,9 @@ void add_localise(CLI::App &app)
         ->add_option("LIVE_SOURCE", options->live,
                      "folder of pictures, video, LCM log or MCAP file; Recall@1 is reported if it "
                      "carries the same labels as the map")
-        ->type_name("")
+        ->type_name("PATH")
         ->required();
-    command->add_option("MAP", options->map, "directory of the map")->type_name("")->required();
+    command->add_option("MAP", options->map, "directory of the map")->type_name("DIR")->required();
     command
         ->add_option("--in", options->in,
                      "experiences to localise in, each in turn and all together (default: all)")
@@ -270,7 +270,7 @@ void add_localise(CLI::App &app)
         ->add_option("--localiser", options->localiser,
                      "filter: by the frames so far, with a confidence; nearest: each frame by "
                      "itself")
-        ->check(CLI::IsMember({"filter", "nearest"}).description(""))
+        ->check(CLI::IsMember({"filter", "nearest"}))
         ->type_name("NAME")
         ->capture_default_str();
     command
@@ -287,10 +287,11 @@ void add_localise(CLI::App &app)
         ->capture_default_str();
     command
         ->add_option("--matrix", options->matrix,
-                     "draw the difference matrices, the most recall first: near = black, far = "
+                     "draw the difference matrices, as .png, .svg or .pdf, the most recall first: "
+                     "near = black, far = "
                      "white; the answers of the localiser as green dots if right, orange crosses "
                      "if wrong, grey dots where that is not known")
-        ->type_name("OUT.png|svg|pdf");
+        ->type_name("FILE");
     add_network_options(*command, options->network, "that of the map");
     add_source_options(*command, options->source);
     add_labels_option(*command, options->source);

@@ -2,22 +2,14 @@
 #include <iostream>
 
 #include <vdna/cpp/error.hpp>
-#include <vdna/version.h>
 
 #include "doctor/doctor.hpp"
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
-#include "vdna/commands.hpp"
+#include "vdna/command_line.hpp"
 
 namespace
 {
-
-void add_commands(CLI::App &app)
-{
-#define VDNA_ADD_COMMAND(name) vdna::tool::add_##name(app);
-    VDNA_COMMANDS(VDNA_ADD_COMMAND)
-#undef VDNA_ADD_COMMAND
-}
 
 int fail(const std::string &sentence, int code)
 {
@@ -52,19 +44,9 @@ vdna::program::ExitCode run(CLI::App &app, int argc, char **argv)
 int main(int argc, char **argv)
 {
     vdna::program::catch_interrupts();
-    CLI::App app("Onboard experience selection: build maps from recorded traversals, rank them by "
-                 "Visual DNA, localise in them",
-                 "vdna");
-    app.set_version_flag("--version", std::string("vdna ") + vdna_version());
-    app.require_subcommand(0, 1);
-    app.footer(
-        "vdna COMMAND --help lists its options. Exit codes: 0 success, 1 error in the input or "
-        "the system, or a check that fails (doctor), 2 wrong usage, 3 no experience of the map "
-        "fits (rank), 130 interrupted. "
-        "Nothing half-written is left.");
-    add_commands(app);
+    const std::unique_ptr<CLI::App> app = vdna::tool::command_line();
     try {
-        return run(app, argc, argv);
+        return run(*app, argc, argv);
     } catch (const CLI::ParseError &e) {
         return fail(std::string(e.what()) + "; see vdna --help", vdna::program::exit_usage);
     } catch (const vdna::Error &e) {

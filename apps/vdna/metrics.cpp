@@ -101,12 +101,12 @@ void add_metrics(CLI::App &app)
             "FILE", options->file,
             "JSON with \"recall\" and \"distance\" as `vdna eval --json` writes them; - is "
             "standard input")
-        ->type_name("")
+        ->type_name("PATH")
         ->required();
     command->add_flag("--json", options->json, "report as JSON");
     command->footer(
         "Pairs may be missing: a method is evaluated on those with recall and distance.\n\n"
-        "Example:\n"
+        "Examples:\n"
         "  vdna metrics table1.json --json");
     command->callback([options] { report(*options); });
 }

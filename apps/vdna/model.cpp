@@ -305,17 +305,17 @@ void add_check(CLI::App &app)
     command
         ->add_option("FP32", o->manifests[0],
                      "network: name of a manifest, or path of a .toml or a .so")
-        ->type_name("")
+        ->type_name("NETWORK|PATH")
         ->required();
     command->add_option("INT8", o->manifests[1], "the same network in another precision")
-        ->type_name("")
+        ->type_name("NETWORK|PATH")
         ->required();
     command
         ->add_option(
             "PICTURES", o->pictures,
             "data set as for `vdna eval`, or a folder of pictures, which gives no rankings "
             "and no recall")
-        ->type_name("")
+        ->type_name("PATH")
         ->required();
     add_threads_option(*command, o->threads);
     command
@@ -327,7 +327,7 @@ void add_check(CLI::App &app)
         "Each network is evaluated on its own maps, as in real use: Visual DNA of different "
         "precisions never compares. Inference times alternate between both networks on "
         "the same pictures.\n\n"
-        "Example:\n"
+        "Examples:\n"
         "  vdna model check efficientnet_lite0 my/efficientnet_lite0_int8.toml runs/");
     command->callback([o] { check(*o); });
 }
@@ -338,17 +338,17 @@ void add_inputs(CLI::App &app)
         "inputs", "Write the network inputs of pictures: resized and normalised");
     const auto o = std::make_shared<InputsOptions>();
     command->add_option("NETWORK", o->network.backbone, "name of a manifest, or path of a .toml")
-        ->type_name("")
+        ->type_name("NETWORK|PATH")
         ->required();
     command->add_option("SOURCE", o->sources, "folder of pictures, video, LCM log or MCAP file")
-        ->type_name("")
+        ->type_name("PATH")
         ->required();
     command->add_option("--npy", o->npy, "file to write: float32 [pictures, 3, height, width]")
         ->type_name("FILE")
         ->required();
     add_source_options(*command, o->source);
     command->footer("models/quantise.py uses them to find the ranges of activations.\n\n"
-                    "Example:\n"
+                    "Examples:\n"
                     "  vdna model inputs efficientnet_lite0 winter/ --every 10 --npy inputs.npy");
     command->callback([o] { write_inputs(*o); });
 }
@@ -359,7 +359,7 @@ void add_golden(CLI::App &app)
         "golden", "Print a network's numbers for a test picture, for its manifest");
     const auto o = std::make_shared<NetworkOptions>();
     command->add_option("NETWORK", o->backbone, "name of a manifest, or path of a .toml")
-        ->type_name("")
+        ->type_name("NETWORK|PATH")
         ->required();
     add_threads_option(*command, o->threads);
     command->footer(
@@ -367,7 +367,7 @@ void add_golden(CLI::App &app)
         "other preprocessing, or on a processor that computes wrongly. Compare the network with "
         "its "
         "original first, then append them.\n\n"
-        "Example:\n"
+        "Examples:\n"
         "  vdna model golden my/network.toml >golden.txt && cat golden.txt >>my/network.toml");
     command->callback([o] { print_golden(*o); });
 }
@@ -376,10 +376,13 @@ void add_golden(CLI::App &app)
 
 void add_model(CLI::App &app)
 {
-    CLI::App *command =
-        app.add_subcommand("model", "Networks: compare precisions, prepare pictures for them, and "
-                                    "print known numbers");
+    CLI::App *command = app.add_subcommand(
+        "model",
+        "Compare a network with one of another precision, prepare pictures for networks, and "
+        "print known numbers");
     command->require_subcommand(1);
+    command->footer("Examples:\n"
+                    "  vdna model check efficientnet_lite0 my/efficientnet_lite0_int8.toml runs/");
     add_check(*command);
     add_golden(*command);
     add_inputs(*command);

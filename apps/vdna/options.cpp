@@ -42,7 +42,7 @@ void add_network_options(CLI::App &command, NetworkOptions &options,
                     "network: name of a manifest, path of a .toml, or path of a plug-in, "
                     "./libNAME.so (default: " +
                         default_text + ")")
-        ->type_name("NAME|PATH");
+        ->type_name("NETWORK|PATH");
     add_threads_option(command, options.threads);
 }
 
@@ -86,9 +86,10 @@ void add_time_options(CLI::App &command, frames::SourceOptions &options)
                                                    {"s", VDNA_TIME_UNIT_S}};
     command
         .add_option("--time-unit", options.time_unit,
-                    "unit of time stamps; auto recognises it by their size and spacing")
-        ->transform(CLI::CheckedTransformer(units).description(""))
-        ->type_name("auto|us|ns|ms|s")
+                    "unit of time stamps: us, ns, ms, s, or auto, which recognises it by their "
+                    "size and spacing")
+        ->transform(CLI::CheckedTransformer(units).description("{auto,us,ns,ms,s}"))
+        ->type_name("UNIT")
         ->default_str("auto");
     command
         .add_option("--late", options.late_s,
@@ -122,7 +123,7 @@ void add_labels_option(CLI::App &command, frames::SourceOptions &options)
                     "table with the columns file or frame, and place, or x,y[,z] in metres, or "
                     "lat,lon[,alt] in degrees, and utime in microseconds if known; empty cells: no "
                     "ground truth (default: SOURCE/labels.csv if it exists)")
-        ->type_name("CSV");
+        ->type_name("FILE");
     add_frame_option(command, options.label_options.local_frame);
 }
 
@@ -190,8 +191,8 @@ void add_range_rule_option(CLI::App &command, uint32_t &rule)
         .add_option(
             "--range-rule", rule,
             "calibration: widen the observed range by 1.2 about its midpoint, or about zero")
-        ->transform(CLI::CheckedTransformer(rules).description(""))
-        ->type_name("midpoint|zero")
+        ->transform(CLI::CheckedTransformer(rules).description("{midpoint,zero}"))
+        ->type_name("RULE")
         ->default_str(record::range_rules[rule]);
 }
 

@@ -93,20 +93,21 @@ void add_play(CLI::App &app)
     CLI::App *command = app.add_subcommand("play", "Send a recording over LCM, as a camera would");
     const auto options = std::make_shared<PlayOptions>();
     command
-        ->add_option("source", options->source, "folder of pictures, video, LCM log or MCAP file")
+        ->add_option("SOURCE", options->source, "folder of pictures, video, LCM log or MCAP file")
         ->required()
-        ->type_name("SOURCE");
+        ->type_name("PATH");
     command->add_option("--rate", options->reading.rate_hz, "frames per second")
         ->type_name("HZ")
         ->check(program::within(0.01, 10000))
         ->capture_default_str();
     command->add_option("--channel", options->reading.camera, "channel to send on")
+        ->type_name("CHANNEL")
         ->capture_default_str();
     command->add_option("--skip", options->reading.skip, "leave out the first N frames")
         ->type_name("N");
     command->add_option("--frames", options->frames, "stop after N frames")
         ->type_name("N")
-        ->check(CLI::Range(uint64_t{1}, std::numeric_limits<uint64_t>::max()));
+        ->check(CLI::Range(uint64_t{1}, std::numeric_limits<uint64_t>::max()).description(""));
     command->add_flag("--loop", options->loop, "start again at the end, until Ctrl-C");
     command
         ->add_option("--stamp", options->stamp,
@@ -115,13 +116,16 @@ void add_play(CLI::App &app)
         ->capture_default_str();
     command
         ->add_option("-l,--lcm-url", options->url,
-                     "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
+                     "LCM network (default: $LCM_DEFAULT_URL, else LCM's)")
         ->type_name("URL");
     command->add_flag("--unprotected", options->unprotected,
                       "leave out the number and checksum by which a receiver tells lost, repeated "
                       "and corrupted frames");
     command->footer(
-        "JPEG files are sent as they are, other pictures as BGR pixels, turned upright.");
+        "JPEG files are sent as they are, other pictures as BGR pixels, turned upright.\n\n"
+        "Examples:\n"
+        "  vdna play drive.mp4 --rate 10\n"
+        "  vdna play winter/ --loop --stamp recorded");
     command->callback([options] {
         options->reading.camera_option = "--channel";
         options->reading.labelled = options->stamp == "recorded";

@@ -122,7 +122,7 @@ void add_rank(CLI::App &app)
             "PATH", options->paths,
             "LIVE_SOURCE MAP: a folder of pictures, video, LCM log or MCAP file, and the map to "
             "choose from; or experience files, the first of which is the query")
-        ->type_name("")
+        ->type_name("PATH")
         ->expected(2, -1)
         ->required();
     add_live_options(*command, options->live, "live: ");

@@ -32,7 +32,9 @@ namespace
 
 void add_serve(CLI::App &app)
 {
-    CLI::App *command = app.add_subcommand("serve", "Show a running vdna_selectord in a browser");
+    CLI::App *command = app.add_subcommand(
+        "serve",
+        "Show a running vdna_selectord in a browser; runs vdna_serve, of the package vdna-serve");
     command->set_help_flag(); // all options are its own, --help too
     command->prefix_command();
     command->callback([command] {

@@ -109,11 +109,13 @@ void add_show(CLI::App &app)
     CLI::App *command = app.add_subcommand("show", "Write the thumbnail of a map's frame as PNG");
     const auto options = std::make_shared<ShowOptions>();
     command->add_option("MAP", options->map, "map directory, or experience file")
-        ->type_name("")
+        ->type_name("PATH")
         ->required();
-    command->add_option("EXPERIENCE", options->experience, "its name")->type_name("")->required();
+    command->add_option("EXPERIENCE", options->experience, "its name")
+        ->type_name("NAME")
+        ->required();
     command->add_option("FRAME", options->frame, "its index in the experience, from 0")
-        ->type_name("")
+        ->type_name("N")
         ->required();
     CLI::Option *output =
         command

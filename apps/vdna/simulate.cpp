@@ -41,11 +41,11 @@ void simulate(const Arguments &arguments)
                            recording);
 }
 
-std::string condition_names()
+std::string condition_names(const std::string &between)
 {
     std::string names;
     for (const simulate::Condition &condition : simulate::conditions())
-        names += (names.empty() ? "" : ", ") + condition.name;
+        names += (names.empty() ? "" : between) + condition.name;
     return names;
 }
 
@@ -77,7 +77,8 @@ void add_drive_options(CLI::App &command, simulate::DriveConfig &drive)
 
 void add_picture_options(CLI::App &command, Arguments &arguments)
 {
-    command.add_option("--condition", arguments.condition, "one of " + condition_names())
+    command.add_option("--condition", arguments.condition, "one of " + condition_names(", "))
+        ->check(CLI::Validator("{" + condition_names(",") + "}"))
         ->type_name("NAME")
         ->capture_default_str();
     command
@@ -91,7 +92,7 @@ void add_picture_options(CLI::App &command, Arguments &arguments)
                         std::to_string(static_cast<int>(simulate::eight_length)) +
                         " metres a lap, that is driven again and again and passes its crossing "
                         "twice in each")
-        ->check(CLI::IsMember({"line", "eight"}).description(""))
+        ->check(CLI::IsMember({"line", "eight"}))
         ->type_name("NAME")
         ->capture_default_str();
     command.add_option("--frames", arguments.recording.frames, "pictures to render")
@@ -114,7 +115,7 @@ void add_simulate(CLI::App &app)
     const auto arguments = std::make_shared<Arguments>();
     CLI::App *command = app.add_subcommand(
         "simulate", "Render a drive along an imaginary route: pictures and labels.csv");
-    command->add_option("OUT", arguments->out, "directory to write")->type_name("")->required();
+    command->add_option("OUT", arguments->out, "directory to write")->type_name("PATH")->required();
     add_picture_options(*command, *arguments);
     add_drive_options(*command, arguments->drive);
     command->add_flag("--force", arguments->recording.force, "replace an earlier recording");

@@ -273,11 +273,11 @@ void add_watch(CLI::App &app)
 {
     CLI::App *command =
         app.add_subcommand("watch", "Show a running vdna_selectord: a live screen on a terminal, "
-                                    "which q ends, otherwise its messages as lines");
+                                    "otherwise its messages as lines");
     const auto options = std::make_shared<WatchOptions>();
     command
         ->add_option("-l,--lcm-url", options->url,
-                     "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
+                     "LCM network (default: $LCM_DEFAULT_URL, else LCM's)")
         ->type_name("URL");
     command->add_flag("--log", options->log,
                       "print messages as lines, even on a terminal, which otherwise gets a screen");
@@ -298,8 +298,14 @@ void add_watch(CLI::App &app)
     for (size_t i = 0; i < options->channels.size(); i++)
         command
             ->add_option(std::string("--") + telemetry::views()[i].name, options->channels[i],
-                         "channel")
+                         "channel of that name")
+            ->type_name("CHANNEL")
             ->capture_default_str();
+    command->footer(
+        "The screen has state, candidates, margin, place, rates and problems; q ends it.\n\n"
+        "Examples:\n"
+        "  vdna watch\n"
+        "  vdna watch --json --until localisation:10 --for 60");
     command->callback([options] { run(*options); });
 }
 

@@ -114,15 +114,48 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
     EXCLUDE_FROM_ALL)
 endforeach()
 
+# What comes with the programs: vdna_package(COMPONENT PAGE) for a manual page NAME.SECTION and the completion
+# of the program NAME.
+function(vdna_package component page)
+  string(REGEX MATCH "^(.*)[.]([0-9])$" matched "${page}")
+  set(name "${CMAKE_MATCH_1}")
+  set(section "${CMAKE_MATCH_2}")
+  add_custom_command(OUTPUT "${VDNA_MADE}/${page}.gz" DEPENDS "${VDNA_MADE}/${page}"
+    COMMAND "${VDNA_GZIP}" -9nkf "${VDNA_MADE}/${page}" VERBATIM)
+  add_custom_target(manual_${name} ALL DEPENDS "${VDNA_MADE}/${page}.gz")
+  add_dependencies(manual_${name} manual)
+  set(options COMPONENT ${component} EXCLUDE_FROM_ALL)
+  install(FILES "${VDNA_MADE}/${page}.gz" DESTINATION share/man/man${section} ${options})
+  install(FILES "${VDNA_MADE}/${name}.bash" DESTINATION share/bash-completion/completions
+    RENAME "${name}" ${options})
+  install(FILES "${VDNA_MADE}/_${name}" DESTINATION share/zsh/vendor-completions ${options})
+endfunction()
+
+# The pages of docs/ but those about the inside, as they are.
+foreach(component IN ITEMS daemon tool)
+  string(TOUPPER ${component} upper)
+  if(VDNA_APPS)
+    install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs/"
+      DESTINATION "share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME}"
+      COMPONENT ${component} EXCLUDE_FROM_ALL
+      FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.jpg"
+      PATTERN internals EXCLUDE PATTERN man EXCLUDE)
+  endif()
+endforeach()
+
 if(VDNA_APPS)
+  vdna_package(tool vdna.1)
+  vdna_package(serve vdna_serve.1)
+  vdna_package(daemon vdna_selectord.8)
   install(FILES "${PROJECT_SOURCE_DIR}/apps/selectord/vdna_selectord.service"
     DESTINATION lib/systemd/system COMPONENT daemon EXCLUDE_FROM_ALL)
-  vdna_compress("${PROJECT_SOURCE_DIR}/docs/reference/man/vdna.1" "${made}/vdna.1.gz")
-  install(FILES "${made}/vdna.1.gz" DESTINATION share/man/man1 COMPONENT tool EXCLUDE_FROM_ALL)
-  vdna_compress("${PROJECT_SOURCE_DIR}/docs/reference/man/vdna_selectord.8"
-    "${made}/vdna_selectord.8.gz")
-  install(FILES "${made}/vdna_selectord.8.gz" DESTINATION share/man/man8
-    COMPONENT daemon EXCLUDE_FROM_ALL)
+  # Settings that the user changes, and an upgrade keeps; outside of the prefix, so in a package only.
+  install(CODE "
+    if(\"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\" MATCHES \"/_CPack_Packages/\")
+      file(INSTALL \"${VDNA_MADE}/vdna.toml\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/../etc/vdna\")
+    endif()" COMPONENT daemon EXCLUDE_FROM_ALL)
+  file(WRITE "${made}/conffiles" "/etc/vdna/vdna.toml\n")
+  list(APPEND CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA "${made}/conffiles")
 endif()
 
 include(CPack)

@@ -5,7 +5,9 @@ set -eu
 
 usage="usage: test/contract/install/bare_debian.sh make DIR [PACKAGE]
        test/contract/install/bare_debian.sh run DIR COMMAND [ARG...]
-  make a bare Debian 12 (with PACKAGE) in the new folder DIR, its log in DIR.log; run a command in it"
+       test/contract/install/bare_debian.sh boot DIR
+  make a bare Debian 12 (with PACKAGE) in the new folder DIR, its log in DIR.log; run a command in it;
+  boot it: run its systemd as process 1, with a network of its own, until a signal ends it"
 
 die()
 {
@@ -63,6 +65,83 @@ run()
         PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin "$@"
 }
 
+# The cgroup hierarchies in which systemd keeps its units: the one of version 2, or one by its name.
+hierarchies()
+{
+    for folder in /sys/fs/cgroup /sys/fs/cgroup/unified /sys/fs/cgroup/systemd; do
+        [ ! -e "$folder/cgroup.procs" ] || echo "$folder"
+    done
+}
+
+boot()
+{
+    group=vdna-boot-$$
+    # shellcheck disable=SC2016,SC2046 # expanded by the inner shells; words
+    sh -euc '
+        group=$1 root=$2
+        shift 2
+        for hierarchy; do
+            mkdir "$hierarchy/$group"
+            echo $$ >"$hierarchy/$group/cgroup.procs"
+        done
+        exec unshare --mount --pid --uts --ipc --net --cgroup --fork --kill-child sh -euc "$inner" sh "$root"
+    ' sh "$group" "$root" $(hierarchies) &
+    child=$!
+    trap 'kill -KILL "$child" 2>/dev/null || :' TERM INT # unshare heeds no other
+    status=0
+    wait "$child" || status=$?
+    wait "$child" || :
+    # The kernel ends the last processes in its own time.
+    for hierarchy in $(hierarchies); do
+        until find "$hierarchy/$group" -depth -type d -exec rmdir {} + 2>/dev/null; do
+            sleep 0.1
+        done
+    done
+    return "$status"
+}
+# shellcheck disable=SC2016,SC2089 # expanded by the inner shell
+inner='
+    root=$1
+    ip link set lo up
+    ip route add 224.0.0.0/4 dev lo
+    mount --bind "$root" "$root"
+    mount -t proc proc "$root/proc"
+    # Settings of the kernel and devices are this machine too: systemd may change none.
+    mount --bind "$root/proc/sys" "$root/proc/sys"
+    mount -o remount,bind,ro "$root/proc/sys"
+    mount -t sysfs -o ro sysfs "$root/sys"
+    mount -t tmpfs tmpfs "$root/run"
+    mount -t tmpfs tmpfs "$root/tmp"
+    mount -t tmpfs tmpfs "$root/dev"
+    mkdir "$root/dev/shm" "$root/dev/pts"
+    mount -t devpts -o newinstance,ptmxmode=666 devpts "$root/dev/pts"
+    ln -s pts/ptmx "$root/dev/ptmx"
+    while read -r device major minor; do
+        mknod -m 666 "$root/dev/$device" c "$major" "$minor"
+    done <<END
+null 1 3
+zero 1 5
+full 1 7
+random 1 8
+urandom 1 9
+tty 5 0
+console 1 3
+END
+    if [ -e /sys/fs/cgroup/cgroup.procs ]; then
+        mount -t cgroup2 cgroup2 "$root/sys/fs/cgroup"
+    else
+        mount -t tmpfs tmpfs "$root/sys/fs/cgroup"
+        mkdir "$root/sys/fs/cgroup/systemd"
+        mount -t cgroup -o none,name=systemd cgroup "$root/sys/fs/cgroup/systemd"
+    fi
+    cd "$root"
+    pivot_root . mnt
+    umount --lazy /mnt
+    exec env -i container=vdna PATH=/usr/sbin:/usr/bin:/sbin:/bin /lib/systemd/systemd --system
+'
+# shellcheck disable=SC2090
+export inner
+
 [ $# -ge 2 ] || die "a command and a folder are expected; $usage"
 [ "$(id -u)" -eq 0 ] || die "only root can make and enter a new root; run it with sudo"
 command -v debootstrap >/dev/null || die "debootstrap is missing; apt-get install debootstrap"
@@ -72,5 +151,6 @@ shift 2
 case $command in
 make) make "$@" ;;
 run) run "$@" ;;
+boot) boot ;;
 *) die "there is no command $command; $usage" ;;
 esac

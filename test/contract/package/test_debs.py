@@ -28,6 +28,19 @@ def output_of(*command):
     return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
+def completion_of(program):
+    return (f"share/bash-completion/completions/{program}",
+            f"share/zsh/vendor-completions/_{program}")
+
+
+def documents_of(package):
+    docs = Path(__file__).resolve().parents[3] / "docs"
+    pages = [path.relative_to(docs) for folder in ("start", "operating", "reference")
+             for path in sorted((docs / folder).glob("*.md"))]
+    assert len(pages) > 10, pages
+    return [f"share/doc/{package}/{page}" for page in pages]
+
+
 def field(deb, name):
     return output_of("dpkg-deb", "--field", deb, name).strip()
 
@@ -83,11 +96,14 @@ class TheDebs(unittest.TestCase):
     @unittest.skipUnless(PROGRAMS, "needs the programs")
     def test_have_what_their_names_promise(self):
         for package, paths in {
-            "vdna": ("bin/vdna", "share/man/man1/vdna.1.gz", *TYPES_JAR),
+            "vdna": ("bin/vdna", "share/man/man1/vdna.1.gz", *completion_of("vdna"), *TYPES_JAR,
+                     *documents_of("vdna")),
             "vdna-selectord": ("sbin/vdna_selectord", "share/man/man8/vdna_selectord.8.gz",
                                "lib/systemd/system/vdna_selectord.service",
-                               "share/vdna/lcmtypes/image.lcm"),
-            "vdna-serve": ("bin/vdna_serve",),
+                               "share/vdna/lcmtypes/image.lcm", *completion_of("vdna_selectord"),
+                               *documents_of("vdna-selectord")),
+            "vdna-serve": ("bin/vdna_serve", "share/man/man1/vdna_serve.1.gz",
+                           *completion_of("vdna_serve")),
             "vdna-networks": ("lib/vdna/libonnxruntime.so",
                               "share/vdna/models/efficientnet_lite0.onnx",
                               "share/doc/vdna-networks/onnxruntime/ThirdPartyNotices.txt"),
@@ -95,6 +111,18 @@ class TheDebs(unittest.TestCase):
             content = output_of("dpkg-deb", "--contents", self.debs[package])
             for path in paths:
                 self.assertIn(f" ./usr/{path}\n", content)
+
+    @unittest.skipUnless(PROGRAMS, "needs the programs")
+    def test_the_daemon_has_commented_settings_that_an_upgrade_keeps(self):
+        deb = self.debs["vdna-selectord"]
+        self.assertEqual(output_of("dpkg-deb", "--info", deb, "conffiles"), "/etc/vdna/vdna.toml\n")
+        archive = subprocess.Popen(["dpkg-deb", "--fsys-tarfile", deb], stdout=subprocess.PIPE)
+        text = subprocess.run(["tar", "-xO", "./etc/vdna/vdna.toml"], check=True, text=True,
+                              stdin=archive.stdout, stdout=subprocess.PIPE).stdout
+        archive.stdout.close()
+        archive.wait()
+        selectord = Path(os.environ["VDNA_STAGE"], "prefix", "sbin", "vdna_selectord")
+        self.assertEqual(text, output_of(selectord, "--print-config"))
 
     @unittest.skipUnless(PROGRAMS, "needs the programs")
     def test_the_programs_bring_their_networks(self):

@@ -29,6 +29,7 @@ ROOMS = {
     "lib/cpp": (5, ["lib/backbone", "lib/core", "lib/identity", "lib/localise", "lib/map",
                     "lib/select", "lib/transport", "lib/trust"]),
     "apps/program": (6, ["lib/cpp", "lib/replace"]),
+    "apps/usage": (6, []),
     "apps/frames": (7, ["apps/program", "lib/core", "lib/cpp", "lib/fail", "lib/geodesy",
                         "lib/identity", "lib/map", "lib/picture",
                         "lib/transport"]),
@@ -45,13 +46,14 @@ ROOMS = {
     "apps/report": (10, ["apps/eval", "apps/frames", "apps/program", "apps/record", "lib/core",
                          "lib/cpp", "lib/picture", "lib/trust"]),
     "apps/vdna": (11, ["apps/doctor", "apps/eval", "apps/frames", "apps/program", "apps/record", "apps/report",
-                       "apps/simulate", "apps/telemetry", "apps/watch", "lib/backbone", "lib/core",
+                       "apps/simulate", "apps/telemetry", "apps/usage", "apps/watch", "lib/backbone", "lib/core",
                        "lib/cpp", "lib/geodesy", "lib/localise", "lib/picture", "lib/transport"]),
-    "apps/selectord": (11, ["apps/program", "apps/telemetry", "lib/backbone", "lib/core", "lib/cpp",
+    "apps/selectord": (11, ["apps/program", "apps/telemetry", "apps/usage", "lib/backbone", "lib/core", "lib/cpp",
                             "lib/geodesy", "lib/health", "lib/identity", "lib/map", "lib/select",
                             "lib/transport"]),
-    "apps/serve": (11, ["apps/program", "apps/telemetry", "lib/core", "lib/cpp", "lib/map",
-                        "lib/picture", "lib/transport"]),
+    "apps/serve": (11, ["apps/program", "apps/telemetry", "apps/usage", "lib/core", "lib/cpp",
+                        "lib/map", "lib/picture", "lib/transport"]),
+    "apps/manual": (12, ["apps/selectord", "apps/serve", "apps/usage", "apps/vdna", "lib/cpp"]),
 }
 
 # The public headers of rooms whose name they do not bear.

@@ -13,19 +13,15 @@
 
 #include "fuzz.h"
 #include "selectord/command_line.hpp"
-#include "vdna/commands.hpp"
+#include "vdna/command_line.hpp"
 
 // vdna, made once, since that takes longer than parsing.
 struct Tool {
-    CLI::App app{"", "vdna"};
+    std::unique_ptr<CLI::App> app = vdna::tool::command_line();
 
     Tool()
     {
-        app.require_subcommand(0, 1);
-#define VDNA_ADD_COMMAND(name) vdna::tool::add_##name(app);
-        VDNA_COMMANDS(VDNA_ADD_COMMAND)
-#undef VDNA_ADD_COMMAND
-        app.parse_complete_callback([] { throw CLI::Success(); }); // before a command's work
+        app->parse_complete_callback([] { throw CLI::Success(); }); // before a command's work
         std::cout.rdbuf(nullptr);                                  // --help
     }
 };
@@ -59,7 +55,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
         if (bytes[0] % 2)
             vdna::selectord::read_command_line(argc, argv.data());
         else
-            tool.app.parse(argc, argv.data());
+            tool.app->parse(argc, argv.data());
     } catch (const CLI::ParseError &) {
     } catch (const vdna::Error &error) {
         MUST(error.what()[0] != '\0');

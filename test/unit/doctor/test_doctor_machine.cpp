@@ -40,9 +40,9 @@ void settings_that_the_daemon_refuses_fail(void **)
     Settings settings;
     Trial trial = installed();
     expect_ok(check_settings(settings, trial), "the defaults");
-    settings.file = "/etc/vdna.toml";
-    expect_ok(check_settings(settings, trial), "/etc/vdna.toml is valid");
-    trial.refusal = "/etc/vdna.toml:3:1: unknown key 'top'; correct or remove it";
+    settings.file = "/etc/vdna/vdna.toml";
+    expect_ok(check_settings(settings, trial), "/etc/vdna/vdna.toml is valid");
+    trial.refusal = "/etc/vdna/vdna.toml:3:1: unknown key 'top'; correct or remove it";
     expect_failure(check_settings(settings, trial), "unknown key", "correct or remove it");
     expect_unknown(check_start(trial, "", "1.0"), "see settings");
     expect_warning(check_settings(settings, {}), "is not read", "install");
@@ -113,6 +113,13 @@ void files_that_cannot_be_read_fail(void **)
     machine.unit = read_machine(root.path(), {}).unit;
     expect_failure(check_access(machine), "/var/map cannot be read by the service's user",
                    "chmod o+rX /var/map");
+    machine.files = {{"/var/lib/vdna/map", true, "/var/lib/vdna"}};
+    expect_failure(check_access(machine), "cannot be read by the service's user", "chmod");
+    root.write(unit_path, unit_text + std::string("StateDirectory=vdna\n"));
+    machine.unit = read_machine(root.path(), {}).unit;
+    expect_ok(check_access(machine), "by the service too");
+    machine.files = {{"/var/lib/vdna/map", false, "/var/lib/vdna"}};
+    expect_unknown(check_access(machine), "the service's own");
     machine.files = {{"/home/me/map", true, ""}};
     expect_failure(check_access(machine), "hidden from the service by ProtectHome",
                    "/var/lib/vdna");
@@ -148,13 +155,15 @@ void a_service_that_does_not_run_fails(void **)
     root.write("run/systemd/system/x", "");
     expect_warning(check_unit(unit()), "not installed", "vdna-selectord");
     root.write(unit_path, unit_text);
-    expect_failure(check_unit(unit()), "no /etc/vdna.toml", "--print-config");
-    root.write("etc/vdna.toml", "");
+    expect_failure(check_unit(unit()), "no /etc/vdna/vdna.toml", "--print-config");
+    root.write("etc/vdna/vdna.toml", "");
     expect_failure(check_unit(unit()), "does not run", "systemctl enable --now");
     root.write("sys/fs/cgroup/system.slice/vdna_selectord.service/x", "");
     expect_warning(check_unit(unit()), "will not start with the machine", "systemctl enable");
     root.write("etc/systemd/system/multi-user.target.wants/vdna_selectord.service", "");
     expect_ok(check_unit(unit()), "enabled and running");
+    root.write("etc/vdna.toml", "");
+    expect_warning(check_unit(unit()), "no longer read", "mv /etc/vdna.toml /etc/vdna/vdna.toml");
 }
 
 void the_screen_has_80_columns(void **)
