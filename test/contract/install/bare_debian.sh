@@ -76,7 +76,7 @@ hierarchies()
 boot()
 {
     group=vdna-boot-$$
-    # shellcheck disable=SC2016 # expanded by the inner shells
+    # shellcheck disable=SC2016,SC2046 # expanded by the inner shells; words
     sh -euc '
         group=$1 root=$2
         shift 2
@@ -99,7 +99,7 @@ boot()
     done
     return "$status"
 }
-# shellcheck disable=SC2016 # expanded by the inner shell
+# shellcheck disable=SC2016,SC2089 # expanded by the inner shell
 inner='
     root=$1
     ip link set lo up
@@ -139,6 +139,7 @@ END
     umount --lazy /mnt
     exec env -i container=vdna PATH=/usr/sbin:/usr/bin:/sbin:/bin /lib/systemd/systemd --system
 '
+# shellcheck disable=SC2090
 export inner
 
 [ $# -ge 2 ] || die "a command and a folder are expected; $usage"
