@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <unistd.h>
 
-#include "cmocka.hpp" // whose fail() is a macro
+#include "cmocka.hpp" // whose fail() is a macro, after CLI11, which has a member of that name
 #include "folder.hpp"
 #include "selectord/command_line.hpp"
 #include "serve/command_line.hpp"

@@ -3,7 +3,9 @@
 #include <sstream>
 #include <string>
 
-#include "cmocka.hpp" // whose fail() is a macro
+#include <CLI/CLI.hpp>
+
+#include "cmocka.hpp" // whose fail() is a macro, after CLI11, which has a member of that name
 #include "usage/completion.hpp"
 #include "usage/help.hpp"
 #include "usage/manual_page.hpp"
