@@ -17,8 +17,8 @@
 #include <vdna/transport.h>
 
 #include "program/choice_sentence.hpp"
-#include "telemetry/members.hpp"
 #include "telemetry/commands.hpp"
+#include "telemetry/members.hpp"
 
 namespace vdna::telemetry
 {

@@ -140,8 +140,8 @@ typedef struct vdna_transport_counters {
     uint64_t stream_count; /**< streams that began: one for each start of a sender, and again for
                                 one that goes on after a RESET or is not among the last four */
     uint64_t
-        other_sender_frames; /**< over udpm:// : well-formed camera frames that came from another
-                                program while the first one had been heard within a second */
+        other_sender_frames;   /**< over udpm:// : well-formed camera frames that came from another
+                                  program while the first one had been heard within a second */
     uint64_t commands_dropped; /**< of `commands`, not handed out: there were more than
                                     VDNA_TRANSPORT_COMMANDS_MAX in one poll */
 } vdna_transport_counters;

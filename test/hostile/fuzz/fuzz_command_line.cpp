@@ -22,7 +22,7 @@ struct Tool {
     Tool()
     {
         app->parse_complete_callback([] { throw CLI::Success(); }); // before a command's work
-        std::cout.rdbuf(nullptr);                                  // --help
+        std::cout.rdbuf(nullptr);                                   // --help
     }
 };
 
