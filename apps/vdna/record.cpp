@@ -377,7 +377,7 @@ void add_record(CLI::App &app)
     command->footer(
         "Ends at Ctrl-C or SIGTERM, and then writes. Runs beside vdna_selectord, at low "
         "priority. Until the end the map is unchanged and locked for other writers.\n\n"
-        "Example:\n"
+        "Examples:\n"
         "  vdna record route autumn --pose-channel POSE --frames-max 6000");
     command->callback([options] {
         options->live.time_unit = options->source.time_unit;

@@ -139,11 +139,10 @@ typedef struct vdna_transport_counters {
                                 corrupted, or oversized and never whole */
     uint64_t stream_count; /**< streams that began: one for each start of a sender, and again for
                                 one that goes on after a RESET or is not among the last four */
-    uint64_t
-        other_sender_frames;   /**< over udpm:// : well-formed camera frames that came from another
-                                  program while the first one had been heard within a second */
-    uint64_t commands_dropped; /**< of `commands`, not handed out: there were more than
-                                    VDNA_TRANSPORT_COMMANDS_MAX in one poll */
+    uint64_t other_sender_frames; /**< over udpm:// : well-formed camera frames of another program
+                                       than the first, which was heard within a second before */
+    uint64_t commands_dropped;    /**< of `commands`, not handed out: there were more than
+                                       VDNA_TRANSPORT_COMMANDS_MAX in one poll */
 } vdna_transport_counters;
 
 /** A sender of protected camera frames, from one start to its end. The caller keeps it. */
