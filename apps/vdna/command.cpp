@@ -69,6 +69,7 @@ void add_command(CLI::App &app)
         ->capture_default_str();
     command
         ->add_option("--result-channel", options->daemon.result_channel, "channel of the results")
+        ->type_name("CHANNEL")
         ->capture_default_str();
     command
         ->add_option("-l,--lcm-url", options->daemon.url,

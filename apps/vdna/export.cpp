@@ -142,7 +142,7 @@ void add_export(CLI::App &app)
         app.add_subcommand("export", "Turn experiences into C arrays, for flash memory");
     const auto options = std::make_shared<ExportOptions>();
     command->add_option("PATH", options->paths, "experience files, or map directories")
-        ->type_name("")
+        ->type_name("PATH")
         ->required();
     command
         ->add_flag("--c-array", options->c_array,

@@ -343,13 +343,13 @@ void add_record(CLI::App &app)
     CLI::App *command = app.add_subcommand(
         "record", "Make an experience of a map from the running camera, on the robot");
     const auto options = std::make_shared<RecordOptions>();
-    command->add_option("MAP", options->map, "directory of the map")->type_name("")->required();
+    command->add_option("MAP", options->map, "directory of the map")->type_name("DIR")->required();
     command->add_option("NAME", options->name, "of the experience: it becomes MAP/NAME.vdna")
-        ->type_name("")
+        ->type_name("NAME")
         ->required();
     command
         ->add_option("-l,--lcm-url", options->live.url,
-                     "LCM network; default: $LCM_DEFAULT_URL, else LCM's")
+                     "LCM network (default: $LCM_DEFAULT_URL, else LCM's)")
         ->type_name("URL");
     command->add_option("--camera", options->live.camera, "camera channel")
         ->type_name("CHANNEL")
