@@ -157,14 +157,19 @@ const std::array<Setting, 41> settings{{
                               std::to_string(at.column) + ": " + sentence);
 }
 
-// A number as TOML writes it: 10.0, not 10.000000.
+// A value as TOML writes it: 10.0, not 10.000000. Texts are in double quotes and on one line:
+// toml++ itself does not read all texts that it writes in other ways.
 template <typename T>
 std::string toml_text(const T &value)
 {
     constexpr bool is_integer = std::is_integral_v<T> && !std::is_same_v<T, bool>;
     using Stored = std::conditional_t<is_integer, int64_t, T>; // TOML's one integer type
     std::ostringstream out;
-    out << toml::value<Stored>(static_cast<Stored>(value));
+    const toml::value<Stored> stored(static_cast<Stored>(value));
+    const auto flags =
+        toml::toml_formatter::default_flags &
+        ~(toml::format_flags::allow_literal_strings | toml::format_flags::allow_multi_line_strings);
+    out << toml::toml_formatter(stored, flags);
     return out.str();
 }
 

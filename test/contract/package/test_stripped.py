@@ -34,7 +34,7 @@ def files_in(folder):
 def ours(folder):
     """What the linker made of our objects."""
     return [path for path in files_in(folder)
-            if path.name in ("vdna", "vdna_selectord", "vdna_serve")
+            if path.parent.name in ("bin", "sbin")
             or path.name.startswith(("libvdna.so", "libvdna_backbone.so"))]
 
 

@@ -104,9 +104,23 @@ void each_key_has_a_comment_with_limits_and_default(void **)
          {"# compute threads of the network (1 to 256, default 2)\nthreads = 2\n",
           "# seconds, in place of frames: choose after this much camera time, seconds (0.001 to "
           "1000000.0)\n",
-          "(default true)\ncopy = true\n", "(default '/var/lib/vdna/map')\ndirectory = "})
+          "(default true)\ncopy = true\n", "(default \"/var/lib/vdna/map\")\ndirectory = "})
         if (out.str().find(line) == std::string::npos)
             fail_msg("expected '%s' in:\n%s", line, out.str().c_str());
+}
+
+void every_text_is_read_as_it_was_printed(void **)
+{
+    const Folder folder;
+    for (const char *text :
+         {"", "it's", "  \'\'\'a\\\n[b", "\"\"\"\n\'\'\'", "\t\n", "\xEF\xBB\xBF\'\n"}) {
+        Config config;
+        config.url = text;
+        std::ostringstream out;
+        print_config(config, out);
+        const Config again = read_config(folder.write("printed.toml", out.str()).string());
+        assert_string_equal(again.url.c_str(), text);
+    }
 }
 
 void settings_are_printed_for_a_file_in_any_folder(void **)
@@ -130,6 +144,7 @@ int main()
         cmocka_unit_test(a_network_is_a_path_only_if_it_is_written_as_one),
         cmocka_unit_test(a_path_that_gets_too_long_is_refused),
         cmocka_unit_test(each_key_has_a_comment_with_limits_and_default),
+        cmocka_unit_test(every_text_is_read_as_it_was_printed),
         cmocka_unit_test(settings_are_printed_for_a_file_in_any_folder),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
