@@ -122,16 +122,20 @@ stop_daemon
 say "5. Was it right? Every candidate, against the true positions"
 vdna localise $demo/live $demo/map --skip $warmup --tolerance 2.5 --matrix $demo/matrices.png
 
-say "6. Where is it? On the winter map, as the paper does: each frame by itself, by the network's last layer"
+say "6. Why that one? The neurons that tell it from the next, and the frames with most and least of them"
+vdna explain $demo/live $demo/map --warmup $warmup
+vdna show $demo/map summer $warmup -o $demo/frame.png
+
+say "7. Where is it? On the winter map, as the paper does: each frame by itself, by the network's last layer"
 vdna build $demo/paper $demo/winter --backbone efficientnet_lite0_paper
 vdna localise $demo/live $demo/paper --skip $warmup --tolerance 2.5 --localiser nearest \
     --matrix $demo/winter_paper.png
 
-say "7. The same drive on the same map, by the place filter"
+say "8. The same drive on the same map, by the place filter"
 vdna localise $demo/live $demo/map --in winter --skip $warmup --tolerance 2.5 \
     --matrix $demo/winter_filter.png
 
-say "8. And at night, with a map of three days?"
+say "9. And at night, with a map of three days?"
 for condition in summer autumn overcast; do
     record day_$condition $condition --variation 0.6 --drive 20
 done
@@ -145,8 +149,8 @@ echo "exit code 3: none fits"
 say "Done"
 cat <<END
 The ranking came from appearance alone. It is right if its first choice has the best Recall@1 in step 5,
-or where that is equal, the fewest unsure answers. The dots of step 6 are all over the matrix, those of
-step 7 are a line. Step 8 is answered as it should be: with none of them, rather than with the least bad.
+or where that is equal, the fewest unsure answers. The dots of step 7 are all over the matrix, those of
+step 8 are a line. Step 9 is answered as it should be: with none of them, rather than with the least bad.
 Pictures: $demo/{summer,winter,night,live}   map: $demo/map   difference matrices: $demo/matrices.png
 and $demo/winter_{paper,filter}.png
 
