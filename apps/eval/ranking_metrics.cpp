@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <random>
 #include <vector>
@@ -60,8 +61,8 @@ class Sample
   private:
     void append(const double *cells, uint32_t query, std::vector<double> &copy) const
     {
-        const double *row = cells + size_t{query} * whole_.references;
-        copy.insert(copy.end(), row, row + whole_.references);
+        std::copy_n(&cells[size_t{query} * whole_.references], whole_.references,
+                    std::back_inserter(copy));
     }
 
     const vdna_ranking_table &whole_;

@@ -33,7 +33,7 @@ std::string cell_of(const eval::Evaluation &evaluation, const eval::Place &place
 // columns: a ranking for each query.
 template <typename Text>
 std::string rows_of(const eval::Evaluation &evaluation,
-                    const std::vector<std::vector<eval::Place>> &columns, Text text)
+                    const std::vector<std::vector<eval::Place>> &columns, const Text &text)
 {
     size_t longest = 0;
     for (const std::vector<eval::Place> &places : columns)

@@ -22,9 +22,9 @@ fs::file_time_type modified(const std::string &directory)
 
 MapPictures::MapPictures(const std::string &directory)
     : directory_(directory), modified_(modified(directory)),
+      map_(std::make_unique<const Map>(directory, MapOpening{false, true})),
       looked_(std::chrono::steady_clock::now())
 {
-    map_ = std::make_unique<const Map>(directory, MapOpening{false, true});
 }
 
 void MapPictures::renew()

@@ -31,8 +31,8 @@ class MapPictures
 
     const std::string directory_;
     std::mutex mutex_;
+    std::filesystem::file_time_type modified_; // before the map was opened
     std::unique_ptr<const Map> map_;
-    std::filesystem::file_time_type modified_;
     std::chrono::steady_clock::time_point looked_;
 };
 
