@@ -701,7 +701,7 @@ class CommandLine(WithConfiguration):
     def test_options_override_the_file(self):
         path = self.configure("[map]\ndirectory = '/file'\n[warmup]\nseconds = 5\n")
         printed = selectord("--warmup-frames", 7, "-c", path, "--print-config").stdout
-        self.assertIn("directory = '/file'", printed)
+        self.assertIn('directory = "/file"', printed)
         self.assertIn("frames = 7", printed)
         self.assertNotIn("\nseconds", printed)
 
