@@ -1,11 +1,9 @@
 #include "doctor/hearing.hpp"
 
-#include <memory>
-
 #include <vdna_messages.h>
 
 #include <vdna/cpp/connection.hpp>
-#include <vdna/listener.h>
+#include <vdna/cpp/listener.hpp>
 
 #include "program/clock.hpp"
 #include "program/interrupt.hpp"
@@ -16,11 +14,6 @@ namespace vdna::doctor
 
 namespace
 {
-
-struct CloseListener {
-    void operator()(vdna_listener *listener) const { vdna_listener_close(listener); }
-};
-using Listener = std::unique_ptr<vdna_listener, CloseListener>;
 
 Connection connect_as_daemon(const Settings &settings)
 {
@@ -46,10 +39,7 @@ Listener listen_for_status(const Settings &settings)
     config.url = settings.url.c_str();
     config.channels = &channel;
     config.channel_count = 1;
-    vdna_listener *listener = nullptr;
-    vdna_error error{};
-    require(vdna_listener_open(&config, &error, &listener), error);
-    return Listener(listener);
+    return open_listener(config);
 }
 
 void take_frame(vdna_transport *transport, Heard &heard)

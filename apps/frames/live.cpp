@@ -14,42 +14,34 @@ namespace
 
 constexpr int32_t moment_ms = 50;
 
-const char *or_null(const std::string &url)
-{
-    return url.empty() ? nullptr : url.c_str();
-}
-
 vdna_transport_config camera_config(const LiveOptions &options)
 {
     vdna_transport_config config;
     vdna_transport_config_init(&config);
-    config.url = or_null(options.url);
+    config.url = url_or_default(options.url);
     config.camera_channel = options.camera.c_str();
     return config;
 }
 
-vdna_listener *listen_to_poses(const LiveOptions &options)
+Listener listen_to_poses(const LiveOptions &options)
 {
     if (options.pose_channel.empty())
-        return nullptr;
+        return {};
     const vdna_listener_channel channels[] = {
         {options.pose_channel.c_str(), &vdna_message_pose},
         {options.pose_channel.c_str(), &vdna_message_gps_data}};
     vdna_listener_config config;
     vdna_listener_config_init(&config);
-    config.url = or_null(options.url);
+    config.url = url_or_default(options.url);
     config.channels = channels;
     config.channel_count = 2;
-    vdna_listener *listener = nullptr;
-    vdna_error error{};
-    require(vdna_listener_open(&config, &error, &listener), error);
-    return listener;
+    return open_listener(config);
 }
 
 } // namespace
 
 Live::Live(const LiveOptions &options)
-    : options_(options), is_log_(vdna_transport_is_log(or_null(options.url)) != 0),
+    : options_(options), is_log_(vdna_transport_is_log(url_or_default(options.url)) != 0),
       connection_(connect(camera_config(options))), listener_(listen_to_poses(options)),
       poses_(options.local_frame)
 {

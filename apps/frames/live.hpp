@@ -2,12 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 
 #include <vdna/camera_time.h>
 #include <vdna/cpp/connection.hpp>
-#include <vdna/listener.h>
+#include <vdna/cpp/listener.hpp>
 
 #include "frames/pose_track.hpp"
 #include "frames/source.hpp"
@@ -67,14 +66,10 @@ class Live
     bool is_log() const { return is_log_; }
 
   private:
-    struct CloseListener {
-        void operator()(vdna_listener *listener) const { vdna_listener_close(listener); }
-    };
-
     LiveOptions options_;
     bool is_log_;
     Connection connection_;
-    std::unique_ptr<vdna_listener, CloseListener> listener_; // NULL without a pose channel
+    Listener listener_; // NULL without a pose channel
     Poses poses_;
     vdna_transport_counters before_{}; // when counting began
     vdna_camera_time time_;

@@ -54,7 +54,7 @@ vdna_transport_config transport_config(const Config &config, const Daemon &daemo
 {
     vdna_transport_config transport;
     vdna_transport_config_init(&transport);
-    transport.url = config.url.empty() ? nullptr : config.url.c_str();
+    transport.url = url_or_default(config.url);
     transport.max_image_bytes = config.max_image_bytes;
     transport.max_message_bytes = daemon.message_size_max();
     transport.camera_channel = config.camera_channel.c_str();

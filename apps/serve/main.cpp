@@ -7,6 +7,8 @@
 
 #include <malloc.h>
 
+#include <vdna/cpp/connection.hpp>
+
 #include "program/exit_code.hpp"
 #include "program/interrupt.hpp"
 #include "serve/command_line.hpp"
@@ -41,14 +43,6 @@ std::string new_token()
     return token;
 }
 
-Connection connect_for_commands(const std::string &url)
-{
-    vdna_transport_config config;
-    vdna_transport_config_init(&config);
-    config.url = url.empty() ? nullptr : url.c_str();
-    return connect(config);
-}
-
 // The page's address, with the token where a browser does not send it.
 std::string url_of(const Options &options, int port, const std::string &token)
 {
@@ -66,7 +60,7 @@ void serve(const Options &options)
         pictures.emplace(options.map);
     LiveState state;
     Reception reception(options.channels, state);
-    const Connection commands = connect_for_commands(options.channels.url);
+    const Connection commands = connect_to_send(options.channels.url);
     const std::string token = new_token();
     const PageServer server({options.address, options.port, token,
                              [&](const telemetry::Command &command, const std::string &argument) {

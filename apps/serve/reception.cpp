@@ -18,21 +18,16 @@ constexpr int64_t second_us = 1000000;
 constexpr int64_t picture_every_us = second_us / 4;
 constexpr size_t rate_seconds = 3; // over which the camera's rate is taken
 
-const char *or_null(const std::string &url)
-{
-    return url.empty() ? nullptr : url.c_str();
-}
-
 Connection open_camera(const Channels &channels)
 {
     vdna_transport_config config;
     vdna_transport_config_init(&config);
-    config.url = or_null(channels.url);
+    config.url = url_or_default(channels.url);
     config.camera_channel = channels.camera.c_str();
     return connect(config);
 }
 
-vdna_listener *open_listener(const Channels &channels)
+Listener listen_to_views(const Channels &channels)
 {
     const std::vector<telemetry::View> &views = telemetry::views();
     std::vector<vdna_listener_channel> wanted;
@@ -40,14 +35,11 @@ vdna_listener *open_listener(const Channels &channels)
         wanted.push_back({channels.views[i].c_str(), views[i].type});
     vdna_listener_config config;
     vdna_listener_config_init(&config);
-    config.url = or_null(channels.url);
+    config.url = url_or_default(channels.url);
     config.queue_length = VDNA_TRANSPORT_QUEUE; // we are quick, and need only the newest
     config.channels = wanted.data();
     config.channel_count = static_cast<uint32_t>(wanted.size());
-    vdna_listener *listener = nullptr;
-    vdna_error error{};
-    require(vdna_listener_open(&config, &error, &listener), error);
-    return listener;
+    return open_listener(config);
 }
 
 double seconds_since(int64_t us)
@@ -71,7 +63,7 @@ void require_network(vdna_status status)
 } // namespace
 
 Reception::Reception(const Channels &channels, LiveState &state)
-    : state_(state), camera_(open_camera(channels)), listener_(open_listener(channels)),
+    : state_(state), camera_(open_camera(channels)), listener_(listen_to_views(channels)),
       url_(telemetry::network_url(channels.url)), newest_(program::monotonic_us())
 {
 }

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <deque>
-#include <memory>
 #include <string>
 
 #include <vdna/cpp/connection.hpp>
-#include <vdna/listener.h>
+#include <vdna/cpp/listener.hpp>
 
 #include "serve/camera_jpeg.hpp"
 #include "serve/live_state.hpp"
@@ -34,9 +33,6 @@ class Reception
 
   private:
     using Json = nlohmann::ordered_json;
-    struct CloseListener {
-        void operator()(vdna_listener *listener) const { vdna_listener_close(listener); }
-    };
 
     void take(const vdna_listener_message &message);
     void take(const vdna_transport_frame &frame);
@@ -47,7 +43,7 @@ class Reception
 
     LiveState &state_;
     Connection camera_;
-    std::unique_ptr<vdna_listener, CloseListener> listener_;
+    Listener listener_;
     CameraJpeg jpeg_;
 
     const std::string url_; // of the network

@@ -8,14 +8,6 @@ namespace vdna::tool
 namespace
 {
 
-Connection connect_to(const std::string &url)
-{
-    vdna_transport_config config;
-    vdna_transport_config_init(&config);
-    config.url = url.empty() ? nullptr : url.c_str();
-    return connect(config);
-}
-
 // A stream that no other start of any sender has, as good as certainly.
 vdna_transport_stream new_stream()
 {
@@ -30,7 +22,7 @@ CameraChannel::CameraChannel(const std::string &url, const std::string &channel,
 {
     vdna_error error{};
     require(vdna_transport_check_channel(channel.c_str(), &error), error);
-    connection_ = connect_to(url);
+    connection_ = connect_to_send(url);
 }
 
 vdna_status CameraChannel::publish(const vdna_image &image, int64_t utime)

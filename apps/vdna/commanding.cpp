@@ -1,11 +1,10 @@
 #include "vdna/commanding.hpp"
 
-#include <memory>
-
 #include <vdna_messages.h>
 #include <vdna_msg_command_result_t.h>
 
-#include <vdna/listener.h>
+#include <vdna/cpp/connection.hpp>
+#include <vdna/cpp/listener.hpp>
 
 #include "program/clock.hpp"
 #include "program/interrupt.hpp"
@@ -16,29 +15,16 @@ namespace vdna::tool
 namespace
 {
 
-struct CloseListener {
-    void operator()(vdna_listener *listener) const { vdna_listener_close(listener); }
-};
-using Listener = std::unique_ptr<vdna_listener, CloseListener>;
-
-const char *or_null(const std::string &url)
-{
-    return url.empty() ? nullptr : url.c_str();
-}
-
 Listener listen_for_results(const Daemon &daemon)
 {
     const vdna_listener_channel results{daemon.result_channel.c_str(),
                                         &vdna_message_command_result};
     vdna_listener_config config;
     vdna_listener_config_init(&config);
-    config.url = or_null(daemon.url);
+    config.url = url_or_default(daemon.url);
     config.channels = &results;
     config.channel_count = 1;
-    vdna_listener *listener = nullptr;
-    vdna_error error{};
-    require(vdna_listener_open(&config, &error, &listener), error);
-    return Listener(listener);
+    return open_listener(config);
 }
 
 // Returns the stamp by which a result names it.
@@ -46,10 +32,7 @@ int64_t send(const Daemon &daemon, const telemetry::Command &command, const std:
 {
     vdna_error error{};
     require(vdna_transport_check_channel(daemon.channel.c_str(), &error), error);
-    vdna_transport_config config;
-    vdna_transport_config_init(&config);
-    config.url = or_null(daemon.url);
-    return telemetry::send_command(connect(config), daemon.channel, command, argument);
+    return telemetry::send_command(connect_to_send(daemon.url), daemon.channel, command, argument);
 }
 
 // The result of the command sent at `utime`.

@@ -125,7 +125,7 @@ void add_show(CLI::App &app)
     command->add_flag("--open", options->open, "open it in the desktop's viewer (xdg-open)");
     command->footer("Examples:\n"
                     "  vdna show park winter 17\n"
-                    "  vdna show park winter 17 --open -o /tmp/frame.png");
+                    "  vdna show park winter 17 --open -o frame.png");
     command->callback([options, output] {
         if (options->open && !output->empty() && options->output == "-")
             throw CLI::ValidationError("--open", "needs a file, not standard output");

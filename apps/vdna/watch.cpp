@@ -15,8 +15,8 @@
 #include <vdna_msg_localisation_t.h>
 #include <vdna_msg_ranking_t.h>
 
-#include <vdna/cpp/error.hpp>
-#include <vdna/listener.h>
+#include <vdna/cpp/connection.hpp>
+#include <vdna/cpp/listener.hpp>
 #include <vdna/transport.h>
 
 #include "program/clock.hpp"
@@ -141,11 +141,6 @@ class Printer
     double latency_us_ = 0; // sum
 };
 
-struct CloseListener {
-    void operator()(vdna_listener *listener) const { vdna_listener_close(listener); }
-};
-using Listener = std::unique_ptr<vdna_listener, CloseListener>;
-
 Listener listen(const WatchOptions &options)
 {
     const std::vector<telemetry::View> &views = telemetry::views();
@@ -156,13 +151,10 @@ Listener listen(const WatchOptions &options)
 
     vdna_listener_config config;
     vdna_listener_config_init(&config);
-    config.url = options.url.empty() ? nullptr : options.url.c_str();
+    config.url = url_or_default(options.url);
     config.channels = channels.data();
     config.channel_count = static_cast<uint32_t>(channels.size());
-    vdna_listener *listener = nullptr;
-    vdna_error error{};
-    require(vdna_listener_open(&config, &error, &listener), error);
-    return Listener(listener);
+    return open_listener(config);
 }
 
 // Wait a moment for the next message, whose type is NULL if none comes; false at the end of a log.

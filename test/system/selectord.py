@@ -60,6 +60,18 @@ class WithConfiguration(unittest.TestCase):
         return path
 
 
+class WithLinkedMap(WithConfiguration):
+    """Tests whose daemon opens `map`, a link, which use() replaces at once; at first `first_map`."""
+
+    def setUp(self):
+        self.map = os.path.join(self.work, f"{self.id()}.map")
+        self.use(self.first_map)
+
+    def use(self, path):
+        os.symlink(path, self.map + ".new")
+        os.rename(self.map + ".new", self.map)
+
+
 def selectord(*arguments, environment=None):
     """Run vdna_selectord until it ends by itself; `environment` is added to this process's own."""
     return subprocess.run([os.path.join(BIN, "vdna_selectord"), *map(str, arguments)],

@@ -9,7 +9,7 @@ import signal
 import subprocess
 
 import own_network
-from selectord import (Camera, Frames, Selectord, Watch, WithConfiguration, command_message, vdna)
+from selectord import Camera, Frames, Selectord, Watch, WithLinkedMap, command_message, vdna
 
 WORK = os.path.abspath("commands")
 SMALL, LARGE = (os.path.join(WORK, name) for name in ("small", "large"))
@@ -30,17 +30,10 @@ def drive(rate=10):
     return Frames(lambda _: PICTURE, rate)
 
 
-class Commands(WithConfiguration):
+class Commands(WithLinkedMap):
 
     work = WORK
-
-    def setUp(self):
-        self.map = os.path.join(WORK, f"{self.id()}.map")  # a link, which replaces the map at once
-        self.use(LARGE)
-
-    def use(self, path):
-        os.symlink(path, self.map + ".new")
-        os.rename(self.map + ".new", self.map)
+    first_map = LARGE
 
     def daemon(self, settings=""):
         return Selectord("--map", self.map, "--backbone", UNRULY, "--warmup-frames", 3, "-c",

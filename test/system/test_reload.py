@@ -11,7 +11,7 @@ import subprocess
 import time
 
 import own_network
-from selectord import SANITIZED, SLOWER, Frames, Selectord, Watch, WithConfiguration, memory_of, vdna
+from selectord import SANITIZED, SLOWER, Frames, Selectord, Watch, WithLinkedMap, memory_of, vdna
 
 WORK = os.path.abspath("reload")
 SMALL, LARGE, OTHER = (os.path.join(WORK, name) for name in ("small", "large", "other"))
@@ -42,17 +42,10 @@ def has_place(answer):
     return answer["validity"] in ("VALID", "UNSURE")
 
 
-class Reload(WithConfiguration):
+class Reload(WithLinkedMap):
 
     work = WORK
-
-    def setUp(self):
-        self.map = os.path.join(WORK, f"{self.id()}.map")  # a link, which replaces the map at once
-        self.use(SMALL)
-
-    def use(self, path):
-        os.symlink(path, self.map + ".new")
-        os.rename(self.map + ".new", self.map)
+    first_map = SMALL
 
     def daemon(self, *options):
         if "-c" not in options:
