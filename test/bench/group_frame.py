@@ -1,5 +1,5 @@
 """One picture through lib/backbone, in this process: the time on top of the inference, what of it
-frame health takes, and what decoding JPEG no larger than needed saves."""
+frame health takes, and what decoding a JPEG no larger than needed saves."""
 import io
 import re
 import statistics
@@ -23,13 +23,12 @@ def run(context):
     yield whole(context, manifest, "JPEG 640x480", (jpeg,))
     yield whole(context, manifest, "raw 640x480", (noise(640, 480).tobytes(), 640, 480, RGB3))
     for width, height in (640, 480), (1920, 1080):
-        yield reduced(context, manifest, width, height)
+        yield reduced(context, width, height)
     for width, height in (224, 224), (640, 480):
         yield health(context, width, height)
     for width, height in [(640, 480)] if context.quick else [(640, 480), (1280, 720)]:
         for rule in ("area", "linear", "pillow_bicubic"):
-            yield resize(context, with_input(context, manifest, "interpolation", rule), rule, width,
-                         height)
+            yield resize(context, resizing_by(context, manifest, rule), rule, width, height)
 
 
 def noise(width, height):
@@ -57,27 +56,17 @@ def whole(context, manifest, name, picture):
     return f"frame {name}", "ms", 1e3, summary([frame[:1] for frame in used], used, []), stages
 
 
-def reduced(context, manifest, width, height):
-    """Decoding, measuring and resizing a JPEG with `decode = "reduced"`, beside decoding it in full."""
+def reduced(context, width, height):
+    """Decoding a JPEG no larger than needed and resizing it, beside decoding it in full."""
     jpeg = context.scene.pictures(3, f"{width}x{height}")[0].read_bytes()
-    networks = [context.library.open_backbone(with_input(context, manifest, "decode", how), 2)
-                for how in ("reduced", "full")]
-    peers, rounds = reducers(context, jpeg), []
-    for _ in range(rounds_of(context)):
-        before, begin = waited(), time.perf_counter()
-        ours = [sum(network.run(jpeg)[:2]) / 1e6 for network in networks]
-        wait = (waited() - before) / (time.perf_counter() - begin)
-        rounds.append((*ours, *(seconds_of(work, 1, time.perf_counter)[0]
-                                for work in peers.values()), wait))
-    for network in networks:
-        network.close()
-    used = calmest(rounds, lambda numbers: numbers[-1])
-    return (f"JPEG {width}x{height} reduced", "ms", 1e3,
-            summary([numbers[:-1] for numbers in used], used, ["decoding in full", *peers]), {})
+    ours, full = (context.library.preparation(SIDE, how) for how in (True, False))
+    peers = {"decoding in full": lambda: full(jpeg), **reducers(context, jpeg)}
+    timed = compare(lambda: ours(jpeg), peers, context.seconds)
+    return f"JPEG {width}x{height} reduced", "ms", 1e3, timed, {}
 
 
 def reducers(context, jpeg):
-    """Other libraries that decode a JPEG no larger than needed and resize it."""
+    """Other libraries that do so."""
     works = {}
     if context.peers.pillow:
         image = context.peers.pillow
@@ -91,7 +80,7 @@ def reducers(context, jpeg):
         cv2, data = context.peers.cv2, np.frombuffer(jpeg, np.uint8)
         cv2.setNumThreads(1)
         shorter = min(cv2.imdecode(data, cv2.IMREAD_COLOR).shape[:2])
-        flag = (cv2.IMREAD_REDUCED_COLOR_4 if shorter >= 4 * SIDE else cv2.IMREAD_REDUCED_COLOR_2)
+        flag = cv2.IMREAD_REDUCED_COLOR_4 if shorter >= 4 * SIDE else cv2.IMREAD_REDUCED_COLOR_2
         works["OpenCV's IMREAD_REDUCED and resize"] = lambda: cv2.resize(
             cv2.imdecode(data, flag), (SIDE, SIDE), interpolation=cv2.INTER_AREA)
     return works
@@ -107,13 +96,12 @@ def health(context, width, height):
     return f"health {width}x{height}", "us", 1e6, timed, {}
 
 
-def with_input(context, manifest, key, value):
-    """The manifest with another value in [input], which its known numbers might refuse."""
+def resizing_by(context, manifest, rule):
+    """The manifest with another interpolation, which its known numbers would refuse."""
     text = manifest.read_text(encoding="utf-8").partition("\n[golden]")[0]
-    text = re.sub(rf"^{key} =.*\n", "", text, flags=re.M)
-    text = text.replace("[input]\n", f'[input]\n{key} = "{value}"\n')
+    text = re.sub(r'^interpolation = "\w+"', f'interpolation = "{rule}"', text, flags=re.M)
     text = re.sub(r'^model = "', f'model = "{manifest.parent}/', text, flags=re.M)
-    path = context.scene.folder / f"{value}.toml"
+    path = context.scene.folder / f"{rule}.toml"
     path.write_text(text, encoding="utf-8")
     return path
 
