@@ -3,6 +3,7 @@ process and the reference package in this one; and the daemon's memory meanwhile
 import statistics
 
 from bare import Bare, peak_bytes, resident_bytes
+from decision import decision
 from drive import Answers, Drive, reset_message
 from measure import calmest, ran
 from package import Package
@@ -21,6 +22,9 @@ def run(context):
         # Quantising for the largest pictures takes longer than everything else.
         if not context.tiny and not (context.quick and name == "cosplace_480x640"):
             yield drive(context, name, context.scene.int8_manifest(name), "int8")
+    for precision, of in (("fp32", context.scene.manifest), ("int8", context.scene.int8_manifest)):
+        if precision == "fp32" or not context.tiny:
+            yield decision(context, names[0], of(names[0]), precision)
     for count in [2] if context.tiny else [4, 100]:
         yield last_frame(context, names[0] if context.tiny else "mugs_vitb16", count)
     yield choosing_again(context, "efficientnet_lite0", 2 if context.tiny else 4)

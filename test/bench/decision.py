@@ -1,0 +1,70 @@
+"""From the first picture to the published choice, with and without waiting for the whole warmup:
+drives through rendered worlds past the real daemon, whose maps have three other conditions."""
+import json
+import statistics
+
+from drive import Answers, Drive
+from selectord import Camera, Selectord
+
+PAPER_FRAMES = 100  # of its warmup
+MAP = (0, 1, 3)  # conditions of a map, counted from one of them
+
+
+def decision(context, name, manifest, precision):
+    """Choices that settle, beside those after the paper's warmup."""
+    frames = 20 if context.tiny else PAPER_FRAMES
+    drives = [(choose(context, manifest, folder, pictures[:frames], stop_early=True),
+               choose(context, manifest, folder, pictures[:frames], stop_early=False))
+              for folder, pictures in drives_of(context, manifest, frames)]
+    early = [settled["seconds"] for settled, _ in drives]
+
+    def mean_percent(value):
+        return 100 * statistics.fmean(value(*drive) for drive in drives)
+
+    timed = {"median": statistics.median(early), "least": min(early), "most": max(early),
+             "rounds": len(drives), "waited": 0,
+             "peers": {f"all {frames} frames": {
+                 "median": statistics.median(whole["seconds"] for _, whole in drives),
+                 "speedup": statistics.median(whole["seconds"] / settled["seconds"]
+                                              for settled, whole in drives)}}}
+    more = {"drives": len(drives),
+            "frames": statistics.median(settled["frames"] for settled, _ in drives),
+            "frames_percent": mean_percent(lambda settled, whole: settled["frames"] / frames),
+            "time_percent": mean_percent(lambda settled, whole:
+                                         settled["seconds"] / whole["seconds"]),
+            "same_choice_percent": mean_percent(lambda settled, whole:
+                                                settled["choice"] == whole["choice"])}
+    return f"decision {name} {precision}", "s", 1, timed, more
+
+
+def drives_of(context, manifest, frames):
+    """(map, the pictures of a drive in a condition that the map lacks), in each of some worlds"""
+    scene, size = context.scene, "160x120" if context.tiny else "640x480"
+    for seed in (41,) if context.tiny else (41, 42) if context.quick else (41, 42, 43, 44):
+        world = scene.world(seed, frames + 20, size)
+        whole = scene.world_map(world, manifest)
+        for first in (0,) if context.tiny else (0, 4) if context.quick else range(len(world)):
+            kept = [world[(first + step) % len(world)] for step in MAP]
+            folder = scene.part_of_map(whole, [path.name for path in kept])
+            for live in [path for path in world if path not in kept][:1 if context.tiny else None]:
+                yield folder, [file.read_bytes() for file in sorted(live.glob("*.jpg"))]
+
+
+def choose(context, manifest, folder, pictures, stop_early):
+    """Drive until the choice."""
+    settings, log = context.scene.folder / "decision.toml", context.scene.folder / "decision.json"
+    settings.write_text(f"[select]\nstop_early = {str(stop_early).lower()}\n", encoding="ascii")
+    log.unlink(missing_ok=True)
+    with Answers() as answers, Camera() as camera, \
+            Selectord("--map", folder, "--backbone", manifest, "--warmup-frames", len(pictures),
+                      "-c", settings, "--answers", log) as daemon:
+        course = Drive(camera, answers, daemon)
+        for utime, picture in enumerate(pictures):
+            course.ask(utime, picture)
+            if course.asked[-1][1]:
+                break
+    *before, (_, ranked, _) = course.asked
+    said = map(json.loads, log.read_text(encoding="utf-8").splitlines())
+    ranking = next(message for message in said if message["type"] == "ranking")
+    return {"frames": len(course.asked), "seconds": sum(frame[0] for frame in before) + ranked,
+            "choice": ranking["ranking"][0]["experience"]}
