@@ -15,8 +15,8 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 GROUPS = {"core": "group_core", "localise": "group_localise", "frame": "group_frame",
-          "files": "group_files", "growth": "group_growth", "sizes": "group_sizes", "start": "group_start",
-          "drive": "group_drive"}
+          "files": "group_files", "growth": "group_growth", "sizes": "group_sizes", "arm": "group_arm",
+          "start": "group_start", "drive": "group_drive"}
 FORMAT = 1  # of the JSON file
 sys.dont_write_bytecode = True
 
