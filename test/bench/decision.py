@@ -39,7 +39,7 @@ def decision(context, name, manifest, precision):
 
 def drives_of(context, manifest, frames):
     """(map, the pictures of a drive in a condition that the map lacks), in each of some worlds"""
-    scene, size = context.scene, "160x120" if context.tiny else "640x480"
+    scene, size = context.scene, "160x120" if context.tiny else "320x240"
     for seed in (41,) if context.tiny else (41, 42) if context.quick else (41, 42, 43, 44):
         world = scene.world(seed, frames + 20, size)
         whole = scene.world_map(world, manifest)

@@ -29,8 +29,23 @@ def beyond_bare_memory(result):
     return more["memory_mib"] - more["bare_memory_mib"] - more["map_mib"]
 
 
+def over_bare_processor(result):
+    more = result["more"]
+    return 100 * (more["processor_ms"] / more["bare_processor_ms"] - 1)
+
+
 # group, result, what, number, "<=" or ">=", bound, unit
 FIGURES = [
+    *[("drive", f"drive efficientnet_lite0 {precision}", "processor time over ONNX Runtime alone",
+       over_bare_processor, "<=", bound, "%") for precision, bound in (("fp32", 15), ("int8", 25))],
+    *[("drive", f"decision efficientnet_lite0 {precision}", what, further(key), sign, bound, "%")
+      for precision in ("fp32", "int8")
+      for what, key, sign, bound in (
+          ("time to the choice, of that with 100 frames", "time_percent", "<=", 35),
+          ("same choice as with 100 frames", "same_choice_percent", ">=", 96))],
+    ("start", "start efficientnet_lite0, K=8", "from exec to READY", median, "<=", 500, "ms"),
+    ("start", "start efficientnet_lite0, K=8", "of that beside ONNX Runtime's session",
+     further("beyond_ms"), "<=", 100, "ms"),
     ("drive", "drive cosplace_224 fp32", "100 frames to the decision", median, "<=", 5, "s"),
     ("drive", "drive cosplace_224 int8", "100 frames to the decision", median, "<=", 2, "s"),
     ("drive", "drive mugs_vitb16 fp32", "100 frames to the decision", median, "<=", 11, "s"),

@@ -70,6 +70,8 @@ class Bench(unittest.TestCase):
         scratch = tempfile.TemporaryDirectory(prefix="vdna-bench-")
         self.addCleanup(scratch.cleanup)
         self.folder = Path(scratch.name)
+        for part in ("reference", "internals"):
+            (self.folder / part).mkdir()
 
     def measured(self, *groups):
         out = self.folder / "measured.json"
@@ -90,11 +92,11 @@ class Bench(unittest.TestCase):
                 self.assertGreater(peer["speedup"], 0)
 
     def page(self, name):
-        return (self.folder / f"{name}.md").read_text()
+        return next(self.folder.glob(f"*/{name}.md")).read_text()
 
     def check_plots(self, *names):
         for name in names:
-            self.assertIn("<svg", (self.folder / f"{name}.svg").read_text())
+            self.assertIn("<svg", next(self.folder.glob(f"*/{name}.svg")).read_text())
 
     def test_the_core_is_measured_and_kept_with_its_circumstances(self):
         stored = self.measured("core", "localise", "files", "growth", "sizes")
@@ -114,6 +116,8 @@ class Bench(unittest.TestCase):
         self.assertIn("| time of ranking, by bins | 250 to 500 |", performance)
         self.assertIn("| memory of the map, by frames | 1,000 to 2,000 |", memory)
         self.assertNotIn("| memory", performance)
+        self.assertLess(performance.index("## Results"), performance.index("## What was missed"))
+        self.assertIn("Not measured: ", performance)
         self.assertNotIn("## Beside", memory)
         self.check_plots("performance-growth", "memory-growth")
 
