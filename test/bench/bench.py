@@ -16,7 +16,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 GROUPS = {"core": "group_core", "localise": "group_localise", "frame": "group_frame",
           "files": "group_files", "growth": "group_growth", "sizes": "group_sizes", "arm": "group_arm",
-          "start": "group_start", "drive": "group_drive"}
+          "footprint": "group_footprint", "start": "group_start", "drive": "group_drive"}
 FORMAT = 1  # of the JSON file
 sys.dont_write_bytecode = True
 
@@ -69,7 +69,7 @@ def print_result(entry):
     print(f"{entry['name']:<52} {entry['median']:>10.3f} {entry['unit']}", flush=True)
     for peer, numbers in entry["peers"].items():
         print(f"  {peer:<50} {numbers['median']:>10.3f}   ours is {numbers['speedup']:.2f} x "
-              "as fast", flush=True)
+              f"as {'small' if entry['unit'] == 'MiB' else 'fast'}", flush=True)
     for key, value in entry["more"].items():
         if not isinstance(value, (list, dict)):
             print(f"  {key:<50} {value:>10.4g}", flush=True)
@@ -99,14 +99,14 @@ def stored(path):
 
 def write_pages(kept, docs):
     """The pages of the measurements, and the README's picture."""
+    import gains
     import page_memory
     import page_performance
-    import picture
     if not kept["groups"]:
         raise SystemExit("nothing was measured yet; run ./dev bench first")
     page_performance.write(kept, docs / "reference")
     page_memory.write(kept, docs / "internals")
-    picture.write(kept, docs)
+    gains.write(kept, docs)
 
 
 def main():
@@ -128,7 +128,7 @@ def main():
     if "drive" in groups and not options.tiny:
         from scene import NETWORKS, Scene
         Scene(build).int8_manifest(next(iter(NETWORKS)))  # fetches the quantiser: later, no network
-    if {"start", "drive"} & set(groups):
+    if {"footprint", "start", "drive"} & set(groups):
         os.environ["VDNA_BIN"] = str(build / "bin")
         import own_network
         own_network.enter()

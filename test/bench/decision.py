@@ -13,9 +13,9 @@ MAP = (0, 1, 3)  # conditions of a map, counted from one of them
 def decision(context, name, manifest, precision):
     """Choices that settle, beside those after the paper's warmup."""
     frames = 20 if context.tiny else PAPER_FRAMES
-    drives = [(choose(context, manifest, folder, pictures[:frames], stop_early=True),
-               choose(context, manifest, folder, pictures[:frames], stop_early=False))
-              for folder, pictures in drives_of(context, manifest, frames)]
+    drives = [tuple(choose(context, manifest, folder, pictures, frames, stop_early)
+                    for stop_early in (True, False))
+              for folder, pictures in drives_of(context, manifest)]
     early = [settled["seconds"] for settled, _ in drives]
 
     def mean_percent(value):
@@ -37,26 +37,26 @@ def decision(context, name, manifest, precision):
     return f"decision {name} {precision}", "s", 1, timed, more
 
 
-def drives_of(context, manifest, frames):
+def drives_of(context, manifest):
     """(map, the pictures of a drive in a condition that the map lacks), in each of some worlds"""
-    scene, size = context.scene, "160x120" if context.tiny else "320x240"
+    scene = context.scene
     for seed in (41,) if context.tiny else (41, 42) if context.quick else (41, 42, 43, 44):
-        world = scene.world(seed, frames + 20, size)
+        world = scene.world(seed, 30 if context.tiny else 240)
         whole = scene.world_map(world, manifest)
-        for first in (0,) if context.tiny else (0, 4) if context.quick else range(len(world)):
+        for first in (0,) if context.tiny else range(0, len(world), 2 if context.quick else 1):
             kept = [world[(first + step) % len(world)] for step in MAP]
             folder = scene.part_of_map(whole, [path.name for path in kept])
             for live in [path for path in world if path not in kept][:1 if context.tiny else None]:
                 yield folder, [file.read_bytes() for file in sorted(live.glob("*.jpg"))]
 
 
-def choose(context, manifest, folder, pictures, stop_early):
-    """Drive until the choice."""
+def choose(context, manifest, folder, pictures, warmup, stop_early):
+    """Drive until the choice: a picture that is of no use, a dark one say, does not count."""
     settings, log = context.scene.folder / "decision.toml", context.scene.folder / "decision.json"
     settings.write_text(f"[select]\nstop_early = {str(stop_early).lower()}\n", encoding="ascii")
     log.unlink(missing_ok=True)
     with Answers() as answers, Camera() as camera, \
-            Selectord("--map", folder, "--backbone", manifest, "--warmup-frames", len(pictures),
+            Selectord("--map", folder, "--backbone", manifest, "--warmup-frames", warmup,
                       "-c", settings, "--answers", log) as daemon:
         course = Drive(camera, answers, daemon)
         for utime, picture in enumerate(pictures):

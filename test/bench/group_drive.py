@@ -85,9 +85,10 @@ def summary(blocks, package=None):
 
 
 def package_of(context, name, files):
-    """The reference package with this network at its best batch size, made once; None if PyTorch
-    lacks it."""
-    if not context.peers.package or name == "efficientnet_lite0":
+    """The reference package with this network at its best batch size, made once; None if it is not
+    installed."""
+    if not context.peers.package or (name == "efficientnet_lite0" and
+                                     not context.peers.efficientnet):
         return None
     if name not in context.packages:
         context.packages[name] = Package(context.peers.torch, name, NETWORKS[name][1:], files,

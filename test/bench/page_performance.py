@@ -64,8 +64,8 @@ Instructions of the C99 core, counted under qemu and compiled for what all proce
 ALL = """\
 ## Everything measured
 
-`x` is how many times as fast as the peer ours is; of bytes merely read it is the share of the
-memory's speed.
+`x` is how many times as fast as the peer ours is, and of sizes how many times as small; of bytes
+merely read it is the share of the memory's speed.
 
 | what | ours | peer | | x |
 | --- | ---: | --- | ---: | ---: |

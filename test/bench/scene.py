@@ -85,17 +85,18 @@ class Scene:
             part.rename(folder)
         return folder
 
-    def world(self, seed, frames, size):
-        """The recordings of one route in each condition, on different days."""
-        folder = self.folder / "worlds" / f"{seed}-{frames}-{size}"
+    def world(self, seed, frames):
+        """The recordings of one route, each in another condition and on another day: the worlds of
+        docs/concepts/localisation.md."""
+        folder = self.folder / "worlds" / f"{seed}-{frames}"
         if not folder.exists():
             part = folder.with_suffix(".part")
             shutil.rmtree(part, ignore_errors=True)
             part.mkdir(parents=True)
-            for day, condition in enumerate(CONDITIONS, start=1):
+            for number, condition in enumerate(CONDITIONS, start=1):
                 self._vdna("simulate", part / condition, "--condition", condition, "--seed", seed,
-                           "--drive", day, "--variation", 0.5, "--size", size, "--quality", 85,
-                           "--frames", frames)
+                           "--frames", frames, "--step", 0.7, "--size", "160x120",
+                           "--variation", 0.6, "--drive", 100 * seed + number)
             part.rename(folder)
         return [folder / condition for condition in CONDITIONS]
 

@@ -121,6 +121,13 @@ class Bench(unittest.TestCase):
         self.assertNotIn("## Beside", memory)
         self.check_plots("performance-growth", "memory-growth")
 
+    def test_instructions_for_arm_are_counted_beside_those_for_x86(self):
+        stored = self.measured("arm")
+        if "arm" not in stored["groups"]:
+            self.skipTest("no cross-compiler or emulator")
+        [emd] = stored["groups"]["arm"]["results"]
+        self.assertTrue(0.1 < emd["more"]["of_x86_64"] < 10)
+
     def test_the_map_has_all_of_its_experiences_and_the_selector_one_table(self):
         results = {result["name"].removeprefix("memory of "): result["more"]
                    for result in self.measured("sizes")["groups"]["sizes"]["results"]}
@@ -146,10 +153,16 @@ class Bench(unittest.TestCase):
 
     @unittest.skipUnless(HAS_DAEMON, "the daemon is not built")
     def test_a_drive_past_the_real_daemon_ends_in_a_ranking(self):
-        stored = self.measured("frame", "drive")
+        stored = self.measured("frame", "footprint", "start", "drive")
         for group in stored["groups"].values():
             self.check_group(group)
         results = {result["name"]: result for result in stored["groups"]["drive"]["results"]}
+        [start] = stored["groups"]["start"]["results"]
+        self.assertIn("ONNX Runtime alone", start["peers"])
+        self.assertGreater(start["more"]["processor_ms"], 0)
+        choice = results["decision efficientnet_lite0 fp32"]["more"]
+        self.assertEqual(choice["drives"], 1)
+        self.assertTrue(0 < choice["frames_percent"] <= 100)
         drive = results["drive efficientnet_lite0 fp32"]
         self.assertIn("ONNX Runtime alone", drive["peers"])
         self.assertGreater(drive["more"]["last_frame_to_ranking_ms"], 0)
