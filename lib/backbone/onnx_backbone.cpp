@@ -128,7 +128,8 @@ void fill_info(OnnxBackbone &backbone, const Manifest &manifest, uint32_t max_pi
     info.decode_bytes = vdna_decoder_bytes_max(max_pixels);
 }
 
-// Hashing the model takes about as long as loading and starting ONNX Runtime, and a robot waits for both.
+// Hashing the model takes about as long as loading and starting ONNX Runtime, and a robot waits for
+// both.
 std::future<Model> check_meanwhile(const Manifest &manifest)
 {
     return std::async(std::launch::async,

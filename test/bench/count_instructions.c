@@ -2,8 +2,8 @@
  *
  *    qemu-aarch64 -plugin libcount_instructions.so -d plugin PROGRAM
  *
- * Debian has no header of this interface; these are the declarations that are used, as version 1 has
- * them. */
+ * Debian has no header of this interface; these are the declarations that are used, as version 1
+ * has them. */
 #include <inttypes.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -94,6 +94,6 @@ def memory(context, manifest, package):
         _, height, width = NETWORKS[NETWORK]
         done = subprocess.run(
             [sys.executable, Path(__file__).with_name("package.py"), NETWORK, str(height),
-             str(width), *context.scene.pictures(3)], capture_output=True, text=True, check=True)
+             str(width), *context.scene.pictures(3)], stdout=subprocess.PIPE, text=True, check=True)
         found["vdna package"] = int(done.stdout.split()[-1])
     return found
