@@ -17,14 +17,14 @@ STAGES = ("queue", "decode", "resize", "inference", "select", "rank", "publish",
 def run(context):
     """All of the group."""
     names = ["efficientnet_lite0"] if context.tiny else list(NETWORKS)
+    for precision, of in (("fp32", context.scene.manifest), ("int8", context.scene.int8_manifest)):
+        if precision == "fp32" or not context.tiny:
+            yield decision(context, names[0], of(names[0]), precision)
     for name in names:
         yield drive(context, name, context.scene.manifest(name), "fp32")
         # Quantising for the largest pictures takes longer than everything else.
         if not context.tiny and not (context.quick and name == "cosplace_480x640"):
             yield drive(context, name, context.scene.int8_manifest(name), "int8")
-    for precision, of in (("fp32", context.scene.manifest), ("int8", context.scene.int8_manifest)):
-        if precision == "fp32" or not context.tiny:
-            yield decision(context, names[0], of(names[0]), precision)
     for count in [2] if context.tiny else [4, 100]:
         yield last_frame(context, names[0] if context.tiny else "mugs_vitb16", count)
     yield choosing_again(context, "efficientnet_lite0", 2 if context.tiny else 4)
