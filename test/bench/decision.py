@@ -47,7 +47,7 @@ def drives_of(context, manifest):
     """(map of a whole world, that of three conditions, a recording in another), in some worlds"""
     scene = context.scene
     for seed in (41,) if context.tiny else (41, 42) if context.quick else (41, 42, 43, 44):
-        world = scene.world(seed, 30 if context.tiny else 240)
+        world = scene.world(seed, 30, "160x120") if context.tiny else scene.world(seed, 240)
         whole = scene.world_map(world, manifest)
         for first in (0,) if context.tiny else range(0, len(world), 2 if context.quick else 1):
             kept = [world[(first + step) % len(world)] for step in MAP]

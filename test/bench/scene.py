@@ -85,18 +85,18 @@ class Scene:
             part.rename(folder)
         return folder
 
-    def world(self, seed, frames):
+    def world(self, seed, frames, size="640x480"):
         """The recordings of one route, each in another condition and on another day: the worlds of
-        docs/concepts/localisation.md."""
-        folder = self.folder / "worlds" / f"{seed}-{frames}"
+        docs/concepts/localisation.md in larger pictures, each small enough for one datagram."""
+        folder = self.folder / "worlds" / f"{seed}-{frames}-{size}"
         if not folder.exists():
             part = folder.with_suffix(".part")
             shutil.rmtree(part, ignore_errors=True)
             part.mkdir(parents=True)
             for number, condition in enumerate(CONDITIONS, start=1):
                 self._vdna("simulate", part / condition, "--condition", condition, "--seed", seed,
-                           "--frames", frames, "--step", 0.7, "--size", "160x120",
-                           "--variation", 0.6, "--drive", 100 * seed + number)
+                           "--frames", frames, "--step", 0.7, "--size", size,
+                           "--quality", 60, "--variation", 0.6, "--drive", 100 * seed + number)
             part.rename(folder)
         return [folder / condition for condition in CONDITIONS]
 
