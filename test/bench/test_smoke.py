@@ -23,6 +23,7 @@ except ImportError as missing:
     print(f"skipped: {missing}; install python3-numpy")
     sys.exit(77)
 import figures  # noqa: E402
+import gains  # noqa: E402
 import page_memory  # noqa: E402
 from bench import write_pages  # noqa: E402
 from measure import calmest, compare, exponent  # noqa: E402
@@ -246,6 +247,33 @@ class MemoryPage(unittest.TestCase):
                       "the map at most 64 | missed by 2 % |", text)
         self.assertIn("| 370 | memory at most 320 | missed by 50 % |", text)
         self.assertIn("| other fp32 | 150 | 100 | 10 | 40 |  |  |", text)
+
+
+def result(name, median, more=None, peers=None):
+    return {"name": name, "median": median, "more": more or {},
+            "peers": {peer: {"median": value} for peer, value in (peers or {}).items()}}
+
+
+class Gains(unittest.TestCase):
+    def test_the_picture_has_ours_and_each_peer_and_needs_all_measurements(self):
+        network, alone = "efficientnet_lite0", {"ONNX Runtime alone": 11}
+        drive = [result(f"drive {network} fp32", 1, peers=alone),
+                 result(f"decision {network} fp32", 2, {"frames": 12}, {"all 100 frames": 3}),
+                 result(f"decision {network} int8", 4)]
+        sizes = [result(f"memory, {network}", 5, peers=alone),
+                 result(f"installed, {network}", 6, peers={"vdna package": 7})]
+        stored = {"machine": {"cpu": "a < b", "cores": 2},
+                  "groups": {"drive": {"results": drive}, "footprint": {"results": sizes}}}
+        with tempfile.TemporaryDirectory() as folder:
+            gains.write(stored, Path(folder))
+            text = (Path(folder) / "gains.svg").read_text()
+        for shown in ("2 s<", "12 frames<", "3 s<", "4 s<", "5 MiB<", "6 MiB<", "7 MiB<", "11 s<",
+                      "11 MiB<", "a &lt; b"):
+            self.assertIn(shown, text)
+        sizes.pop()
+        with tempfile.TemporaryDirectory() as folder:
+            gains.write(stored, Path(folder))
+            self.assertEqual(list(Path(folder).iterdir()), [])
 
 
 class Plots(unittest.TestCase):
