@@ -179,6 +179,7 @@ BackboneProcess::BackboneProcess(const Config &config, bool lock)
     : config_(config), lock_(lock), mailbox_(config.max_image_bytes), stop_(make_event()),
       opening_us_(first_opening_us), budget_us_(first_opening_us), pause_us_(shortest_pause_us)
 {
+    start();
 }
 
 BackboneProcess::~BackboneProcess()
@@ -210,8 +211,6 @@ uint64_t BackboneProcess::shared_bytes() const
 
 vdna_status BackboneProcess::open(vdna_error &error)
 {
-    const int64_t begin_us = monotonic_us();
-    start();
     if (state_ == State::opening && wait(deadline_us_) != Event::replied)
         note_end();
     if (state_ != State::opening)
@@ -222,7 +221,9 @@ vdna_status BackboneProcess::open(vdna_error &error)
     const vdna_status status = take_first_description(error);
     if (status != VDNA_OK)
         return status;
-    opening_us_ = std::max(openings_in_limit * (monotonic_us() - begin_us), shortest_opening_us);
+    // From its start, so it may count what the daemon did meanwhile.
+    const int64_t took_us = monotonic_us() - (deadline_us_ - first_opening_us);
+    opening_us_ = std::clamp(openings_in_limit * took_us, shortest_opening_us, first_opening_us);
     return find_budget(error);
 }
 

@@ -30,14 +30,15 @@ bool is_at_fault(vdna_status network);
 class BackboneProcess
 {
   public:
-    // Borrows from `config`; `lock` the process's memory. Throws Error.
+    // Start it: it opens its network, for which open() waits. Borrows from `config`; `lock` the
+    // process's memory. Throws Error.
     explicit BackboneProcess(const Config &config, bool lock = false);
     ~BackboneProcess();
     BackboneProcess(const BackboneProcess &) = delete;
     BackboneProcess &operator=(const BackboneProcess &) = delete;
 
-    // Start it, open its network and run that once. Call it once; the result borrows from this
-    // object. Throws Error.
+    // Wait until its network is open, and run that once. Call it once; the result borrows from
+    // this object. Throws Error.
     Backbone open();
 
     // Process id; 0 = there is none at the moment.

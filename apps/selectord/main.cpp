@@ -128,20 +128,21 @@ program::ExitCode run(int argc, char **argv)
 
     const ServiceManager manager(std::getenv("NOTIFY_SOCKET"));
 
-    // The map.
     StartUp start_up;
     const ResidentMemory resident;
     start_up.program = resident.read();
+
+    // The map, while the network opens in its process.
+    const bool will_run = !invocation->print_memory && !invocation->check;
+    std::optional<BackboneProcess> process;
+    if (wants_backbone_process(config))
+        process.emplace(config, config.lock_memory && will_run);
     if (!config.copy_map)
         survive_lost_pages();
     OpenedMap opened = open_map(config);
     start_up.map = resident.read();
 
     // The network and the loop's memory: the large allocations end here.
-    const bool will_run = !invocation->print_memory && !invocation->check;
-    std::optional<BackboneProcess> process;
-    if (wants_backbone_process(config))
-        process.emplace(config, config.lock_memory && will_run);
     const Backbone backbone = process ? process->open()
                                       : Backbone(config.manifest, config.threads, config.runtime,
                                                  config.max_image_pixels);

@@ -77,7 +77,8 @@ OpenedMap open_once(const Config &config)
     MapFiles files(config.map_directory, !config.copy_map);
     return {std::make_unique<const Map>(
                 config.map_directory, MapOpening{config.copy_map, config.leave_out_damaged, false}),
-            std::move(files)};
+            std::move(files),
+            {}};
 }
 
 // The path that begins a reason for which a file is left out.
@@ -101,6 +102,7 @@ OpenedMap open_map(const Config &config)
         for (const std::string &reason : opened.map->left_out())
             std::fprintf(stderr, "vdna_selectord: %s\n",
                          left_out_text(*opened.map, reason).c_str());
+        opened.localisers = localisers_in(*opened.map, config);
         return opened;
     }
     throw Error(config.map_directory + ": changed each of the " + std::to_string(attempts) +
@@ -116,7 +118,7 @@ bool stays_in_memory(const Config &config)
 MapSession::MapSession(const Config &config, OpenedMap opened, const vdna_backbone_info &backbone)
     : map_(std::move(opened.map)), files_(std::move(opened.files)),
       left_out_text_(vdna::selectord::left_out_text(*map_)),
-      localisers_(localisers_in(*map_, config)), trust_(*map_, trust_config_of(config)),
+      localisers_(std::move(opened.localisers)), trust_(*map_, trust_config_of(config)),
       selector_(map_->candidates(), experiences().front().identity.dim, warmup_of(config),
                 config.map_directory, {static_cast<int64_t>(config.late_seconds * 1e6)},
                 localising_of(localisers_, config.top), trusting_of(trust_, config)),

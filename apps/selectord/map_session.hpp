@@ -18,10 +18,13 @@
 namespace vdna::selectord
 {
 
-// A map and the files that it was opened from.
+// A map, the files that it was opened from, and what needs nothing but the map, so that the start
+// can make it while the network opens.
 struct OpenedMap {
     std::unique_ptr<const Map> map;
     MapFiles files;
+    std::vector<std::unique_ptr<ExperienceLocaliser>> localisers; // one for each experience if the
+                                                                  // filter is on
 };
 
 // Open the map as the settings say, and print which experiences are left out. Throws Error.
@@ -92,8 +95,7 @@ class MapSession
     MapFiles files_;
     const std::string left_out_text_;
     std::string fault_;
-    const std::vector<std::unique_ptr<ExperienceLocaliser>> localisers_; // one for each experience
-                                                                         // if the filter is on
+    const std::vector<std::unique_ptr<ExperienceLocaliser>> localisers_;
     Trust trust_;
     Selector selector_;            // borrows both
     std::vector<float> projected_; // room for a live frame's embedding

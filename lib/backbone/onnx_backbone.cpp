@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <vdna/picture.h>
@@ -35,7 +36,8 @@ namespace
 using Clock = std::chrono::steady_clock;
 
 struct OnnxBackbone {
-    OnnxBackbone(const Manifest &manifest, const vdna_backbone_config &config);
+    OnnxBackbone(const Manifest &manifest, std::future<Model> model,
+                 const vdna_backbone_config &config);
 
     Runtime runtime;
     Session session;
@@ -126,7 +128,8 @@ void fill_info(OnnxBackbone &backbone, const Manifest &manifest, uint32_t max_pi
     info.decode_bytes = vdna_decoder_bytes_max(max_pixels);
 }
 
-// Hashing the model takes about as long as ONNX Runtime needs to start, and a robot waits for both.
+// Hashing the model takes about as long as loading and starting ONNX Runtime, and a robot waits for
+// both.
 std::future<Model> check_meanwhile(const Manifest &manifest)
 {
     return std::async(std::launch::async,
@@ -191,9 +194,9 @@ void require_dims(const Manifest &manifest, size_t given)
                                 std::to_string(manifest.embedding.dims));
 }
 
-OnnxBackbone::OnnxBackbone(const Manifest &manifest, const vdna_backbone_config &config)
-    : runtime(config.runtime),
-      session(runtime, manifest, check_meanwhile(manifest), config.threads),
+OnnxBackbone::OnnxBackbone(const Manifest &manifest, std::future<Model> model,
+                           const vdna_backbone_config &config)
+    : runtime(config.runtime), session(runtime, manifest, std::move(model), config.threads),
       decoder(config.max_pixels), preprocessor(manifest.input),
       grid(grid_of(manifest, session.embedding())), l2_normalise(manifest.embedding.l2_normalise),
       embedding(grid ? grid->size() : session.embedding().size)
@@ -239,7 +242,8 @@ vdna_backbone_frame run(OnnxBackbone &backbone, picture::Decoder &decoder, const
             health};
 }
 
-// With a decoder of its own: pictures of cameras may be limited to less.
+// The second run, after which memory is flat. With a decoder of its own: pictures of cameras may be
+// limited to less.
 void require_golden(OnnxBackbone &backbone, const Manifest &manifest)
 {
     const vdna_image image = test_picture();
@@ -252,7 +256,8 @@ vdna_status open_onnx(const vdna_backbone_config *config, vdna_error *error, voi
     return fail::guarded(error, [&] {
         const Manifest manifest = read_manifest(find_manifest(config->manifest));
         require_processor(manifest);
-        auto backbone = std::make_unique<OnnxBackbone>(manifest, *config);
+        auto backbone =
+            std::make_unique<OnnxBackbone>(manifest, check_meanwhile(manifest), *config);
         require_golden(*backbone, manifest);
         *out_state = backbone.release();
     });

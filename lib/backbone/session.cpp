@@ -189,14 +189,13 @@ void Session::request(const std::string &output)
 }
 
 // The first run makes the output tensors, into which all later ones write, and shows how much
-// memory a run needs; the second takes that in one piece.
+// memory a run needs; the second, of the test picture, takes that in one piece.
 void Session::bind_outputs()
 {
     for (const std::string &name : output_names_)
         output_name_texts_.push_back(name.c_str());
     output_values_.resize(output_names_.size(), nullptr);
     output_owners_.reserve(output_names_.size());
-    run();
     run();
     for (OrtValue *value : output_values_)
         output_owners_.emplace_back(value, api_.ReleaseValue);

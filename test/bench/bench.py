@@ -2,8 +2,8 @@
 """Measure speed and memory beside peers in the same run (./dev bench).
 
 Prints a table and keeps it in build/bench/MACHINE.json, in which a group that is measured again
-replaces its old results. With --write-page, docs/internals/performance.md and memory.md and their
-plots are made from that file.
+replaces its old results. With --write-page, docs/reference/performance.md, docs/internals/memory.md,
+their plots and the README's are made from that file.
 """
 import argparse
 import importlib
@@ -15,7 +15,8 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 GROUPS = {"core": "group_core", "localise": "group_localise", "frame": "group_frame",
-          "files": "group_files", "growth": "group_growth", "sizes": "group_sizes", "drive": "group_drive"}
+          "files": "group_files", "growth": "group_growth", "sizes": "group_sizes", "arm": "group_arm",
+          "footprint": "group_footprint", "start": "group_start", "drive": "group_drive"}
 FORMAT = 1  # of the JSON file
 sys.dont_write_bytecode = True
 
@@ -29,8 +30,8 @@ def parsed():
     parser.add_argument("--peers", action="store_true",
                         help="first install the packages to compare with, from PyPI (3 GB)")
     parser.add_argument("--write-page", action="store_true",
-                        help="measure nothing: write performance.md and memory.md in "
-                             "docs/internals from earlier measurements")
+                        help="measure nothing: write performance.md, memory.md and "
+                             "gains.svg in docs from earlier measurements")
     parser.add_argument("--no-peers", action="store_true", help="skip peers, even installed ones")
     parser.add_argument("--tiny", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--build", type=Path, default=ROOT / "build", help=argparse.SUPPRESS)
@@ -68,7 +69,7 @@ def print_result(entry):
     print(f"{entry['name']:<52} {entry['median']:>10.3f} {entry['unit']}", flush=True)
     for peer, numbers in entry["peers"].items():
         print(f"  {peer:<50} {numbers['median']:>10.3f}   ours is {numbers['speedup']:.2f} x "
-              "as fast", flush=True)
+              f"as {'small' if entry['unit'] == 'MiB' else 'fast'}", flush=True)
     for key, value in entry["more"].items():
         if not isinstance(value, (list, dict)):
             print(f"  {key:<50} {value:>10.4g}", flush=True)
@@ -96,14 +97,16 @@ def stored(path):
     return {"format": FORMAT, "groups": {}}
 
 
-def write_pages(kept, folder):
-    """The pages of the measurements."""
+def write_pages(kept, docs):
+    """The pages of the measurements, and the README's picture."""
+    import gains
     import page_memory
     import page_performance
     if not kept["groups"]:
         raise SystemExit("nothing was measured yet; run ./dev bench first")
-    page_performance.write(kept, folder)
-    page_memory.write(kept, folder)
+    page_performance.write(kept, docs / "reference")
+    page_memory.write(kept, docs / "internals")
+    gains.write(kept, docs)
 
 
 def main():
@@ -113,7 +116,7 @@ def main():
     import machine
     path = options.out or build / "bench" / machine.file_name()
     if options.write_page:
-        write_pages(stored(path), ROOT / "docs" / "internals")
+        write_pages(stored(path), ROOT / "docs")
         return
 
     # Everything but the networks runs on one thread, peers too.
@@ -122,7 +125,10 @@ def main():
     if not options.no_peers:
         import peers
         peers.enter(build, options.peers)
-    if "drive" in groups:
+    if "drive" in groups and not options.tiny:
+        from scene import NETWORKS, Scene
+        Scene(build).int8_manifest(next(iter(NETWORKS)))  # fetches the quantiser: later, no network
+    if {"footprint", "start", "drive"} & set(groups):
         os.environ["VDNA_BIN"] = str(build / "bin")
         import own_network
         own_network.enter()

@@ -3,6 +3,7 @@ process and the reference package in this one; and the daemon's memory meanwhile
 import statistics
 
 from bare import Bare, peak_bytes, resident_bytes
+from decision import decision
 from drive import Answers, Drive, reset_message
 from measure import calmest, ran
 from package import Package
@@ -16,6 +17,9 @@ STAGES = ("queue", "decode", "resize", "inference", "select", "rank", "publish",
 def run(context):
     """All of the group."""
     names = ["efficientnet_lite0"] if context.tiny else list(NETWORKS)
+    for precision, of in (("fp32", context.scene.manifest), ("int8", context.scene.int8_manifest)):
+        if precision == "fp32" or not context.tiny:
+            yield decision(context, names[0], of(names[0]), precision)
     for name in names:
         yield drive(context, name, context.scene.manifest(name), "fp32")
         # Quantising for the largest pictures takes longer than everything else.
@@ -81,9 +85,10 @@ def summary(blocks, package=None):
 
 
 def package_of(context, name, files):
-    """The reference package with this network at its best batch size, made once; None if PyTorch
-    lacks it."""
-    if not context.peers.package or name == "efficientnet_lite0":
+    """The reference package with this network at its best batch size, made once; None if it is not
+    installed."""
+    if not context.peers.package or (name == "efficientnet_lite0" and
+                                     not context.peers.efficientnet):
         return None
     if name not in context.packages:
         context.packages[name] = Package(context.peers.torch, name, NETWORKS[name][1:], files,

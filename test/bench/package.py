@@ -1,5 +1,11 @@
-"""The reference package on the same pictures and the same network, in PyTorch."""
+"""The reference package on the same pictures and the same network, in PyTorch.
+
+    package.py NAME HEIGHT WIDTH PICTURE...
+
+counts the pictures one by one and prints the peak of its memory, in bytes.
+"""
 import itertools
+import resource
 import sys
 import time
 from pathlib import Path
@@ -8,7 +14,7 @@ GOLDEN = Path(__file__).resolve().parents[1] / "golden"
 
 
 def torch_network(torch, name):
-    """(module, name of the counted output, neurons), or None if PyTorch has no such network."""
+    """(module, name of the counted output, neurons)"""
     sys.path.insert(0, str(GOLDEN))
     import make_export
     if name.startswith("cosplace"):
@@ -18,12 +24,22 @@ def torch_network(torch, name):
     if name.startswith("mobilenet_v2"):
         from torchvision.models import mobilenet_v2
         network = mobilenet_v2(weights=None)
+        return pooled(torch, network, network.features), "embedding", 1280
+    from efficientnet_lite_pytorch import EfficientNet
+    network = EfficientNet.from_name("efficientnet-lite0")
+    return pooled(torch, network, network.extract_features), "embedding", 1280
 
-        class Pooled(torch.nn.Module):
-            def forward(self, x):
-                return {"embedding": network.features(x).mean((2, 3))}
-        return Pooled(), "embedding", 1280
-    return None
+
+def pooled(torch, network, features):
+    """A network's last feature map, averaged."""
+    class Pooled(torch.nn.Module):
+        def __init__(self):
+            super().__init__()
+            self.network = network
+
+        def forward(self, x):
+            return {"embedding": features(x).mean((2, 3))}
+    return Pooled()
 
 
 class Package:
@@ -74,3 +90,14 @@ class Package:
         begin = time.perf_counter()
         dna.fill_vdna(self._extractor, settings)
         return (time.perf_counter() - begin) / batch
+
+
+def main():
+    import torch
+    name, height, width, *files = sys.argv[1:]
+    Package(torch, name, (int(height), int(width)), [Path(file) for file in files], (1,))
+    print(1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+
+
+if __name__ == "__main__":
+    main()

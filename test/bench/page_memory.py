@@ -7,7 +7,7 @@ INTRODUCTION = """\
 # Memory
 
 What `vdna_selectord` takes on a robot. Written by `./dev bench --write-page` from what `./dev bench`
-measured; [performance.md](performance.md) says when, on which machine and with which versions.
+measured; [performance.md](../reference/performance.md) says when, on which machine and with which versions.
 [onboard.md](../operating/onboard.md#memory) says of what parts this memory is and how to limit it,
 [memory-core.md](memory-core.md) what the C99 library takes by itself.
 
@@ -34,7 +34,7 @@ The selector has the live histogram and what ranking needs, and the daemon holds
 mapped. One size differs at a time from {experiences} experiences of {frames:,} frames with {neurons} neurons,
 {bins:,} bins and embeddings of {dim} dimensions. Most of an experience is counts and embeddings, so the
 map grows less than in proportion with what enlarges only one of them. The exponent is that of
-[performance.md](performance.md#growth).
+[performance.md](../reference/performance.md#growth).
 
 | what | sizes | takes | exponent |
 | --- | --- | --- | ---: |

@@ -1,4 +1,4 @@
-"""docs/internals/performance.md and its plots, from the measurements."""
+"""docs/reference/performance.md and its plots, from the measurements."""
 from figures import judged, verdict
 from plot import bars, lines
 
@@ -6,7 +6,26 @@ INTRODUCTION = """\
 # Performance
 
 Written by `./dev bench --write-page` from what `./dev bench` measured on {cpu}, {cores} cores
-({features}), {memory_mb} MB, {system}.
+({features}), {memory_mb} MB, {system}. Other machines take other times; ratios travel better.
+
+"""
+
+RESULTS = """\
+## Results
+
+{reached} of {count} figures are reached. Seconds and milliseconds are those of this machine: where ONNX
+Runtime alone already takes as long as a figure allows, no daemon can reach it here, and "Everything
+measured" has what it takes. The figures of memory are in [memory.md](../internals/memory.md), what was
+missed is [at the end](#what-was-missed).
+
+| what | | figure | reached | |
+| --- | --- | ---: | ---: | --- |
+{rows}
+
+"""
+
+METHOD = """\
+## How it was measured
 
 Ours and a peer run in turn. A figure is the median of the rounds, a ratio the median of the ratios
 of neighbouring rounds; of all rounds, the half that waited least for a processor counts. All is
@@ -24,15 +43,20 @@ Versions: {versions}.
 
 """
 
-FIGURES = """\
-## Figures to reach
+MISSED = """\
+## What was missed
 
-Seconds and milliseconds are those of this machine. Where ONNX Runtime alone already takes as long as
-a figure allows, no daemon can reach it here; "Everything measured" has what it takes. The figures of
-memory are in [memory.md](memory.md).
+{rows}
+"""
 
-| what | | figure | reached | |
-| --- | --- | ---: | ---: | --- |
+ARM = """\
+## On 64-bit ARM
+
+Instructions of the C99 core, counted under qemu and compiled for what all processors of a kind have
+(`-march=armv8-a`, `-march=x86-64`). No ARM machine was at hand, so there are no times.
+
+| what | thousand instructions on ARM | on x86-64 | ratio |
+| --- | ---: | ---: | ---: |
 {rows}
 
 """
@@ -40,8 +64,8 @@ memory are in [memory.md](memory.md).
 ALL = """\
 ## Everything measured
 
-`x` is how many times as fast as the peer ours is; of bytes merely read it is the share of the
-memory's speed.
+`x` is how many times as fast as the peer ours is, and of sizes how many times as small; of bytes
+merely read it is the share of the memory's speed.
 
 | what | ours | peer | | x |
 | --- | ---: | --- | ---: | ---: |
@@ -82,13 +106,13 @@ STAGE_NAMES = ("queue", "decode", "resize", "inference", "select", "rank", "publ
 
 def write(stored, folder):
     """The page, and the plots for which there are measurements."""
-    text = introduction(stored) + figures_part(stored)
+    text = introduction(stored) + results_part(stored)
     plot = throughput_plot(stored)
     if plot:
         (folder / "performance-throughput.svg").write_text(plot, encoding="utf-8")
         text += "![Throughput beside peers](performance-throughput.svg)\n\n"
-    text += stages_part(stored) + growth_part(stored, folder)
-    text += all_part(stored)
+    text += stages_part(stored) + growth_part(stored, folder) + arm_part(stored)
+    text += all_part(stored) + method_part(stored) + missed_part(stored)
     (folder / "performance.md").write_text(text.rstrip() + "\n", encoding="utf-8")
 
 
@@ -123,31 +147,67 @@ def growth_rows(results):
 
 
 def introduction(stored):
+    machine = {**stored["machine"], "features": ", ".join(stored["machine"]["features"])}
+    return INTRODUCTION.format(**machine)
+
+
+def method_part(stored):
     rows, versions = [], {}
     for name, group in stored["groups"].items():
         versions.update(group["versions"])
         rows.append(f"| {name} | {group['date'][:16].replace('T', ' ')} | {group['commit']} "
                     f"| {group['load_begin']}, {group['load_end']} "
                     f"| {'quick' if group['quick'] else 'in full'} |")
-    machine = {**stored["machine"], "features": ", ".join(stored["machine"]["features"])}
-    return INTRODUCTION.format(
-        **machine, groups="\n".join(rows),
-        versions=", ".join(f"{key} {value}" for key, value in versions.items()))
+    return METHOD.format(groups="\n".join(rows), versions=", ".join(
+        f"{key} {value}" for key, value in versions.items()))
 
 
-def figures_part(stored):
-    words = {"<=": "at most", ">=": "at least"}
-    rows = [f"| {name} | {what} | {words[sign]} {bound:g} {unit} | {number(value)} "
+def figures_of(stored):
+    """All that are judged here."""
+    return [figure for figure in judged(stored) if figure[5] != "MiB"]
+
+
+def bound_text(sign, bound, unit):
+    return f"at {'most' if sign == '<=' else 'least'} {bound:g} {unit}".rstrip()
+
+
+def results_part(stored):
+    figures = figures_of(stored)
+    rows = [f"| {name} | {what} | {bound_text(sign, bound, unit)} | {number(value)} "
             f"| {verdict(sign, bound, value, reached)} |"
-            for name, what, sign, bound, value, unit, reached in judged(stored) if unit != "MiB"]
-    return FIGURES.format(rows="\n".join(rows))
+            for name, what, sign, bound, value, unit, reached in figures]
+    return RESULTS.format(rows="\n".join(rows), count=len(figures),
+                          reached=sum(figure[-1] is True for figure in figures))
+
+
+def missed_part(stored):
+    missed, open_ones = [], []
+    for name, what, sign, bound, value, unit, reached in figures_of(stored):
+        if reached is None:
+            open_ones.append(f"{name} ({what})")
+        elif not reached:
+            missed.append(f"- **{name}**, {what}: {number(value)}, {bound_text(sign, bound, unit)} "
+                          f"was to be reached: {verdict(sign, bound, value, reached)}")
+    rows = missed or ["Nothing that was measured."]
+    if open_ones:
+        rows.append(f"\nNot measured: {', '.join(open_ones)}.")
+    return MISSED.format(rows="\n".join(rows))
+
+
+def arm_part(stored):
+    rows = []
+    for result in results_of(stored, "arm"):
+        more = result["more"]
+        rows.append(f"| {result['name']} | {number(result['median'])} "
+                    f"| {number(more['x86_64_thousands'])} | {more['of_x86_64']:.2f} |")
+    return ARM.format(rows="\n".join(rows)) if rows else ""
 
 
 def all_part(stored):
     rows = []
-    for group in stored["groups"].values():
+    for name, group in stored["groups"].items():
         for result in group["results"]:
-            if "points" in result["more"]:
+            if "points" in result["more"] or name == "arm":
                 continue
             ours = f"{number(result['median'])} {result['unit']}"
             peers = list(result["peers"].items()) or [("", None)]

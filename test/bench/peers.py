@@ -4,7 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-PACKAGES = ("torch", "torchvision", "vdna", "faiss-cpu", "POT", "scipy")
+PACKAGES = ("torch", "torchvision", "vdna", "faiss-cpu", "POT", "scipy",
+            "efficientnet-lite-pytorch")
 
 
 def enter(build, make):
@@ -31,6 +32,7 @@ class Peers:
         self.scipy_stats = imported("scipy.stats")
         self.scipy_linalg = imported("scipy.linalg")
         self.package = imported("vdna.utils.stats")
+        self.efficientnet = imported("efficientnet_lite_pytorch")
         self.cv2 = imported("cv2")
         self.pillow = imported("PIL.Image")
         if self.torch:

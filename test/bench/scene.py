@@ -11,6 +11,7 @@ from bare import configured
 ROOT = Path(__file__).resolve().parents[2]
 MAP_FRAMES = 1150
 CALIBRATION = 40  # pictures for int8
+CONDITIONS = ("spring", "summer", "autumn", "winter", "overcast", "rain", "dusk", "night")
 
 # name -> arguments of networks.py (None: it comes with the project), input height and width
 NETWORKS = {
@@ -83,6 +84,48 @@ class Scene:
             shutil.rmtree(seed)
             part.rename(folder)
         return folder
+
+    def world(self, seed, frames, size="640x480"):
+        """The recordings of one route, each in another condition and on another day: the worlds of
+        docs/concepts/localisation.md in larger pictures, each small enough for one datagram."""
+        folder = self.folder / "worlds" / f"{seed}-{frames}-{size}"
+        if not folder.exists():
+            part = folder.with_suffix(".part")
+            shutil.rmtree(part, ignore_errors=True)
+            part.mkdir(parents=True)
+            for number, condition in enumerate(CONDITIONS, start=1):
+                self._vdna("simulate", part / condition, "--condition", condition, "--seed", seed,
+                           "--frames", frames, "--step", 0.7, "--size", size,
+                           "--quality", 60, "--variation", 0.6, "--drive", 100 * seed + number)
+            part.rename(folder)
+        return [folder / condition for condition in CONDITIONS]
+
+    def world_map(self, world, manifest):
+        """The map of all recordings of a world."""
+        folder = self._map_folder(f"world-{world[0].parent.name}", manifest)
+        if not folder.exists():
+            part = folder.with_suffix(".part")
+            shutil.rmtree(part, ignore_errors=True)
+            self._vdna("build", part, "--backbone", manifest, *world)
+            part.rename(folder)
+        return folder
+
+    def part_of_map(self, whole, names):
+        """A map of some of a map's experiences."""
+        folder = whole.with_name("-".join([whole.name, *names]))
+        if not folder.exists():
+            part = folder.with_suffix(".part")
+            shutil.rmtree(part, ignore_errors=True)
+            part.mkdir()
+            for name in names:
+                shutil.copy(whole / f"{name}.vdna", part)
+            self._vdna("calibrate", "--trust", part)
+            part.rename(folder)
+        return folder
+
+    def _map_folder(self, name, manifest):
+        version = hashlib.sha256(manifest.read_bytes()).hexdigest()[:8]
+        return self.folder / "maps" / f"{name}-{manifest.stem}-{version}"
 
 
 def write_copies(path, folder, count):

@@ -23,6 +23,7 @@ except ImportError as missing:
     print(f"skipped: {missing}; install python3-numpy")
     sys.exit(77)
 import figures  # noqa: E402
+import gains  # noqa: E402
 import page_memory  # noqa: E402
 from bench import write_pages  # noqa: E402
 from measure import calmest, compare, exponent  # noqa: E402
@@ -70,6 +71,8 @@ class Bench(unittest.TestCase):
         scratch = tempfile.TemporaryDirectory(prefix="vdna-bench-")
         self.addCleanup(scratch.cleanup)
         self.folder = Path(scratch.name)
+        for part in ("reference", "internals"):
+            (self.folder / part).mkdir()
 
     def measured(self, *groups):
         out = self.folder / "measured.json"
@@ -90,11 +93,11 @@ class Bench(unittest.TestCase):
                 self.assertGreater(peer["speedup"], 0)
 
     def page(self, name):
-        return (self.folder / f"{name}.md").read_text()
+        return next(self.folder.glob(f"*/{name}.md")).read_text()
 
     def check_plots(self, *names):
         for name in names:
-            self.assertIn("<svg", (self.folder / f"{name}.svg").read_text())
+            self.assertIn("<svg", next(self.folder.glob(f"*/{name}.svg")).read_text())
 
     def test_the_core_is_measured_and_kept_with_its_circumstances(self):
         stored = self.measured("core", "localise", "files", "growth", "sizes")
@@ -114,8 +117,17 @@ class Bench(unittest.TestCase):
         self.assertIn("| time of ranking, by bins | 250 to 500 |", performance)
         self.assertIn("| memory of the map, by frames | 1,000 to 2,000 |", memory)
         self.assertNotIn("| memory", performance)
+        self.assertLess(performance.index("## Results"), performance.index("## What was missed"))
+        self.assertIn("Not measured: ", performance)
         self.assertNotIn("## Beside", memory)
         self.check_plots("performance-growth", "memory-growth")
+
+    def test_instructions_for_arm_are_counted_beside_those_for_x86(self):
+        stored = self.measured("arm")
+        if "arm" not in stored["groups"]:
+            self.skipTest("no cross-compiler or emulator")
+        [emd] = stored["groups"]["arm"]["results"]
+        self.assertTrue(0.1 < emd["more"]["of_x86_64"] < 10)
 
     def test_the_map_has_all_of_its_experiences_and_the_selector_one_table(self):
         results = {result["name"].removeprefix("memory of "): result["more"]
@@ -142,10 +154,16 @@ class Bench(unittest.TestCase):
 
     @unittest.skipUnless(HAS_DAEMON, "the daemon is not built")
     def test_a_drive_past_the_real_daemon_ends_in_a_ranking(self):
-        stored = self.measured("frame", "drive")
+        stored = self.measured("frame", "footprint", "start", "drive")
         for group in stored["groups"].values():
             self.check_group(group)
         results = {result["name"]: result for result in stored["groups"]["drive"]["results"]}
+        [start] = stored["groups"]["start"]["results"]
+        self.assertIn("ONNX Runtime alone", start["peers"])
+        self.assertGreater(start["more"]["processor_ms"], 0)
+        choice = results["decision efficientnet_lite0 fp32"]["more"]
+        self.assertEqual(choice["drives"], 1)
+        self.assertTrue(0 < choice["frames_percent"] <= 100)
         drive = results["drive efficientnet_lite0 fp32"]
         self.assertIn("ONNX Runtime alone", drive["peers"])
         self.assertGreater(drive["more"]["last_frame_to_ranking_ms"], 0)
@@ -229,6 +247,33 @@ class MemoryPage(unittest.TestCase):
                       "the map at most 64 | missed by 2 % |", text)
         self.assertIn("| 370 | memory at most 320 | missed by 50 % |", text)
         self.assertIn("| other fp32 | 150 | 100 | 10 | 40 |  |  |", text)
+
+
+def result(name, median, more=None, peers=None):
+    return {"name": name, "median": median, "more": more or {},
+            "peers": {peer: {"median": value} for peer, value in (peers or {}).items()}}
+
+
+class Gains(unittest.TestCase):
+    def test_the_picture_has_ours_and_each_peer_and_needs_all_measurements(self):
+        network, alone = "efficientnet_lite0", {"ONNX Runtime alone": 11}
+        drive = [result(f"drive {network} fp32", 1, peers=alone),
+                 result(f"decision {network} fp32", 2, {"frames": 12}, {"all 100 frames": 3}),
+                 result(f"decision {network} int8", 4)]
+        sizes = [result(f"memory, {network}", 5, peers=alone),
+                 result(f"installed, {network}", 6, peers={"vdna package": 7})]
+        stored = {"machine": {"cpu": "a < b", "cores": 2},
+                  "groups": {"drive": {"results": drive}, "footprint": {"results": sizes}}}
+        with tempfile.TemporaryDirectory() as folder:
+            gains.write(stored, Path(folder))
+            text = (Path(folder) / "gains.svg").read_text()
+        for shown in ("2 s<", "12 frames<", "3 s<", "4 s<", "5 MiB<", "6 MiB<", "7 MiB<", "11 s<",
+                      "11 MiB<", "a &lt; b"):
+            self.assertIn(shown, text)
+        sizes.pop()
+        with tempfile.TemporaryDirectory() as folder:
+            gains.write(stored, Path(folder))
+            self.assertEqual(list(Path(folder).iterdir()), [])
 
 
 class Plots(unittest.TestCase):

@@ -115,6 +115,7 @@ class Selectord:
 
     def __init__(self, *options, program=os.path.join(BIN, "vdna_selectord"), environment=None,
                  prefix=(), errors=subprocess.PIPE):
+        begin = time.monotonic()
         self._process = subprocess.Popen(
             [*ENDS_WITH_US, *prefix, program, *map(str, options)],
             env={**os.environ, **(environment or {})},
@@ -126,6 +127,7 @@ class Selectord:
         if not self._output.next(time.monotonic() + PATIENCE):
             self.__exit__()
             raise AssertionError(f"the daemon was never READY: {self.log}")
+        self.ready_after = time.monotonic() - begin  # seconds
         # Its processes at this moment.
         self.pids = [pid for pid in (self.pid, network_process(self.pid)) if pid]
 

@@ -1,4 +1,5 @@
-"""The README is short: at most 700 words beside its code, and one picture before any of it."""
+"""The README is short: at most 700 words beside its code, and one or two pictures, the first before any
+code."""
 import sys
 from pathlib import Path
 
@@ -15,8 +16,9 @@ def main():
              if any(letter.isalnum() for letter in word)]
     print(f"README.md: {len(words)} words, at most {WORDS_MAX}")
     pictures = [line for line, of_line in enumerate(text.split("\n"), 1) if "![" in of_line]
-    print(f"README.md: pictures on lines {pictures}, one expected, before line {PICTURE_BEFORE}")
-    return 0 if len(words) <= WORDS_MAX and len(pictures) == 1 and \
+    print(f"README.md: pictures on lines {pictures}, one or two expected, the first before line "
+          f"{PICTURE_BEFORE}")
+    return 0 if len(words) <= WORDS_MAX and 1 <= len(pictures) <= 2 and \
         pictures[0] < PICTURE_BEFORE else 1
 
 

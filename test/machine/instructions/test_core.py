@@ -58,13 +58,13 @@ def compiler():
                           check=True).stdout.split("\n")[0]
 
 
-def build(folder):
+def build(folder, gcc="gcc", flags=FLAGS):
     program = os.path.join(folder, "instructions")
     # Keeps our own memset() from being compiled into calls of memset().
-    subprocess.run(["gcc", *FLAGS, "-I", INCLUDE, "-I", CORE, "-fno-builtin",
+    subprocess.run([gcc, *flags, "-I", INCLUDE, "-I", CORE, "-fno-builtin",
                     "-fno-tree-loop-distribute-patterns", "-c",
                     os.path.join(HERE, "instructions.c"), "-o", program + ".o"], check=True)
-    subprocess.run(["gcc", *FLAGS, "-I", INCLUDE, program + ".o",
+    subprocess.run([gcc, *flags, "-I", INCLUDE, program + ".o",
                     "-I", CORE, *sorted(glob.glob(os.path.join(CORE, "*.c"))),
                     *sorted(glob.glob(os.path.join(LOCALISE, "*.c"))),
                     *sorted(glob.glob(os.path.join(TRUST, "*.c"))),

@@ -270,6 +270,33 @@ static void a_network_that_cannot_be_opened_is_an_error(void **)
         std::strstr(refusal().c_str(), "/nowhere/mine.so: the plug-in cannot be loaded"));
 }
 
+static void it_opens_the_network_before_anybody_waits_for_it(void **)
+{
+    const Config config = config_with_budget();
+    setenv("VDNA_UNRULY_OPEN", "crash", 1);
+    BackboneProcess process(config);
+    unsetenv("VDNA_UNRULY_OPEN"); // too late for a process that has begun
+    try {
+        const Backbone backbone = process.open();
+        fail();
+    } catch (const Error &error) {
+        assert_non_null(std::strstr(error.what(), "signal 11"));
+    }
+}
+
+static void a_process_that_nobody_waits_for_is_ended(void **)
+{
+    const Config config = config_with_budget();
+    pid_t pid = 0;
+    {
+        const BackboneProcess process(config);
+        pid = process.pid();
+        assert_true(pid > 0 && kill(pid, 0) == 0);
+    }
+    assert_int_equal(kill(pid, 0), -1);
+    assert_int_equal(errno, ESRCH);
+}
+
 static void a_picture_in_progress_can_be_cancelled(void **)
 {
     Network network(10000);
@@ -300,6 +327,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(two_hundred_kills_at_any_moment_leave_us_up),
         cmocka_unit_test(one_that_comes_back_as_another_network_stays_away),
         cmocka_unit_test(a_network_that_cannot_be_opened_is_an_error),
+        cmocka_unit_test(it_opens_the_network_before_anybody_waits_for_it),
+        cmocka_unit_test(a_process_that_nobody_waits_for_is_ended),
         cmocka_unit_test(a_picture_in_progress_can_be_cancelled),
     };
     return cmocka_run_group_tests_name("backbone_process", tests, nullptr, nullptr);
