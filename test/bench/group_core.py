@@ -56,7 +56,9 @@ def histogram(context, neurons, samples):
     def ours():
         library.hist_add(table, taps, frames)
 
-    peers = {"reading the activations": lambda: library.read(frame, times=frames)}
+    counts, cells = np.zeros((BINS, neurons), np.uint32), cells_of(frame)
+    peers = {"reading the activations": lambda: library.read(frame, times=frames),
+             "adding one to cells that are given": lambda: library.increment(counts, cells, frames)}
     timed = scaled(compare(ours, peers, context.seconds), frames)
     if context.peers.package:
         package, one = package_histogram(context, frame, 64), package_histogram(context, frame, 1)
@@ -66,6 +68,12 @@ def histogram(context, neurons, samples):
             timed["peers"][name] = {"median": theirs["median"] / count,
                                     "speedup": theirs["speedup"] * frames / count}
     return f"histogram {neurons}x{samples}", "ns/activation", 1e9 / frame.size, timed, {}
+
+
+def cells_of(frame):
+    """Indices into counts [BINS][neurons] of the samples of a frame of activations()."""
+    bins = np.clip((frame.astype(np.float64) / 4 + 1) * BINS / 2, 0, BINS - 1).astype(np.uint32)
+    return (bins * np.uint32(frame.shape[1]) + np.arange(frame.shape[1], dtype=np.uint32)).ravel()
 
 
 def scaled(timed, count):
