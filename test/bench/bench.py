@@ -15,7 +15,8 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 GROUPS = {"core": "group_core", "localise": "group_localise", "frame": "group_frame",
-          "files": "group_files", "growth": "group_growth", "sizes": "group_sizes", "drive": "group_drive"}
+          "files": "group_files", "growth": "group_growth", "sizes": "group_sizes", "drive": "group_drive",
+          "stages": "group_stages"}
 FORMAT = 1  # of the JSON file
 sys.dont_write_bytecode = True
 
@@ -122,7 +123,7 @@ def main():
     if not options.no_peers:
         import peers
         peers.enter(build, options.peers)
-    if "drive" in groups:
+    if {"drive", "stages"} & set(groups):
         os.environ["VDNA_BIN"] = str(build / "bin")
         import own_network
         own_network.enter()

@@ -149,6 +149,7 @@ class TrustRunFields(Structure):
         ("last_layer_scale", c_void_p),
         ("place", c_void_p),
         ("position", c_void_p),
+        ("codes", c_void_p),
         ("frames", c_uint32),
         ("dim", c_uint32),
         ("last_layer_dim", c_uint32),
