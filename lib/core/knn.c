@@ -1,4 +1,5 @@
 #include <math.h>
+#include <string.h>
 
 #include <vdna/knn.h>
 
@@ -78,8 +79,8 @@ vdna_status vdna_knn(const float *query, uint32_t dim, const float *map, uint32_
 
 /* ---- With codes ---- */
 
-/* Longer rows and queries are searched without codes: no square of theirs may overflow. */
-static const double longest_sq = 1e30;
+/* Larger numbers are searched without codes: no square may overflow. */
+static const float number_max = 1e15f;
 
 /* Every how many rows one is tried for a first guess: neighbouring frames are alike. */
 enum { GUESS_STEP = 16 };
@@ -95,32 +96,20 @@ typedef struct coded_row {
     uint32_t reserved;
 } coded_row;
 
-/* Squared length; neither finite nor NaN values are an error here. */
-VDNA_VECTORISED static double square_of(const float *values, size_t dim)
+/* The largest magnitude; not finite if a value is not. Magnitudes are in the order of their bits,
+ * and the largest of integers vectorises. */
+VDNA_VECTORISED_FROM_V2 static float largest_of(const float *values, size_t dim)
 {
-    double lane[LANES] = {0}, sum = 0;
-    for (size_t i = 0; i < dim; i++)
-        lane[i % LANES] += (double)values[i] * values[i];
-    for (size_t l = 0; l < LANES; l++)
-        sum += lane[l];
-    return sum;
-}
-
-/* What a code of a row counts if the largest has the value `most`. */
-static float scale_of(const float *row, size_t dim, float most)
-{
-    float largest = 0;
+    uint32_t largest = 0;
     for (size_t i = 0; i < dim; i++) {
-        const float magnitude = row[i] < 0 ? -row[i] : row[i];
-        largest = magnitude > largest ? magnitude : largest;
+        uint32_t bits;
+        memcpy(&bits, &values[i], sizeof bits);
+        bits &= 0x7fffffff;
+        largest = bits > largest ? bits : largest;
     }
-    return largest / most;
-}
-
-/* 0 of a row that is too small for codes. Any codes do, because their error is known. */
-static float codes_per_unit(float scale)
-{
-    return scale > 1e-30f ? 1 / scale : 0;
+    float magnitude;
+    memcpy(&magnitude, &largest, sizeof magnitude);
+    return magnitude;
 }
 
 static inline int16_t code_of(float value, float per_unit)
@@ -129,42 +118,48 @@ static inline int16_t code_of(float value, float per_unit)
     return (int16_t)(steps < 0 ? steps - 0.5f : steps + 0.5f);
 }
 
-/* Note what codes stand for. */
-static void know(coded_row *row, double square, double error_sq, float scale)
+static inline double error_sq_of(float value, float scale, int16_t code)
 {
-    row->square = square;
-    row->error = vdna_sqrt(error_sq) * (1 + 1e-9);
-    row->scale = scale;
-    row->reserved = 0;
+    const double error = value - (double)scale * code;
+    return error * error;
 }
 
-VDNA_VECTORISED static void encode_row(const float *row, size_t dim, int8_t *codes, coded_row *out)
+/* Encode a row or a query. Any codes do, because their error is measured: all are 0 if the numbers
+ * are very small.
+ * @param largest  of largest_of()
+ * @param most     code of the largest */
+VDNA_VECTORISED static void encode(const float *values, size_t dim, float largest, int16_t most,
+                                   int16_t *codes, coded_row *out)
 {
-    const float scale = scale_of(row, dim, CODE_MAX), per_unit = codes_per_unit(scale);
-    double square = 0, error_sq = 0;
+    const float scale = largest / most, per_unit = scale > 1e-30f ? 1 / scale : 0;
+    int64_t square = 0;
     for (size_t i = 0; i < dim; i++)
-        codes[i] = (int8_t)code_of(row[i], per_unit);
-    for (size_t i = 0; i < dim; i++) {
-        const double decoded = (double)scale * codes[i], off = row[i] - decoded;
-        square += decoded * decoded;
-        error_sq += off * off;
-    }
-    know(out, square, error_sq, scale);
+        codes[i] = code_of(values[i], per_unit);
+    for (size_t i = 0; i < dim; i++)
+        square += (int32_t)codes[i] * codes[i];
+
+    double lane[LANES] = {0}, error_sq = 0;
+    size_t i = 0;
+    for (; i + LANES <= dim; i += LANES)
+        for (size_t l = 0; l < LANES; l++)
+            lane[l] += error_sq_of(values[i + l], scale, codes[i + l]);
+    for (; i < dim; i++)
+        error_sq += error_sq_of(values[i], scale, codes[i]);
+    for (size_t l = 0; l < LANES; l++)
+        error_sq += lane[l];
+
+    out->square = (double)scale * scale * (double)square;
+    out->error = vdna_sqrt(error_sq) * (1 + 1e-9);
+    out->scale = scale;
+    out->reserved = 0;
 }
 
-VDNA_VECTORISED static void encode_query(const float *query, size_t dim, int16_t *codes,
-                                         coded_row *out)
+static void encode_row(const float *row, size_t dim, int8_t *codes, coded_row *out)
 {
-    const float scale = scale_of(query, dim, QUERY_CODE_MAX), per_unit = codes_per_unit(scale);
-    double square = 0, error_sq = 0;
+    int16_t wide[DIM_MAX];
+    encode(row, dim, largest_of(row, dim), CODE_MAX, wide, out);
     for (size_t i = 0; i < dim; i++)
-        codes[i] = code_of(query[i], per_unit);
-    for (size_t i = 0; i < dim; i++) {
-        const double decoded = (double)scale * codes[i], off = query[i] - decoded;
-        square += decoded * decoded;
-        error_sq += off * off;
-    }
-    know(out, square, error_sq, scale);
+        codes[i] = (int8_t)wide[i];
 }
 
 /* see vdna/knn.h */
@@ -186,7 +181,7 @@ vdna_status vdna_knn_encode(const float *map, uint32_t dim, uint32_t rows, void 
     if (mem_size < needed)
         return VDNA_ERR_NOMEM;
     for (size_t row = 0; row < rows; row++)
-        if (!(square_of(map + row * dim, dim) <= longest_sq))
+        if (!(largest_of(map + row * dim, dim) <= number_max))
             return VDNA_ERR_NONFINITE;
 
     coded_row *const coded = mem;
@@ -295,7 +290,8 @@ vdna_status vdna_knn_nearest(const float *query, uint32_t dim, const float *map,
 {
     if (!codes || !query || !map || !out_match || vdna_knn_codes_size(dim, rows) == 0)
         return vdna_knn(query, dim, map, rows, 1, out_match);
-    if (!(square_of(query, dim) <= longest_sq))
+    const float largest = largest_of(query, dim);
+    if (!(largest <= number_max))
         return vdna_knn(query, dim, map, rows, 1, out_match);
 
     search s;
@@ -306,7 +302,7 @@ vdna_status vdna_knn_nearest(const float *query, uint32_t dim, const float *map,
     s.dim = dim;
     s.rows = rows;
     s.nearest = (vdna_knn_match){INFINITY, 0, 0};
-    encode_query(query, dim, s.query_codes, &s.coded_query);
+    encode(query, dim, largest, QUERY_CODE_MAX, s.query_codes, &s.coded_query);
     try_row(&s, guess(&s));
     try_all_rows(&s);
     *out_match = s.nearest;

@@ -86,10 +86,10 @@ class Scene:
         return folder
 
 
-def drive_along(frames, random):
-    """MAP_FRAMES embeddings of a drive past the places of `frames`, each changed at random: the
+def drive_along(frames, random, count=MAP_FRAMES):
+    """`count` embeddings of a drive past the places of `frames`, each changed at random: the
     nearest is three quarters as far away as most, as in another season."""
-    at = np.linspace(0, len(frames) - 1, MAP_FRAMES)
+    at = np.linspace(0, len(frames) - 1, count)
     before = np.minimum(at.astype(int), len(frames) - 2)
     share = (at - before)[:, None]
     places = (1 - share) * frames[before] + share * frames[before + 1]

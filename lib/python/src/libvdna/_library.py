@@ -466,6 +466,8 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
             POINTER(RankPlace),
         ),
         "vdna_knn": (address, c_uint32, address, c_uint32, c_uint32, address),
+        "vdna_knn_encode": (address, c_uint32, c_uint32, address, size),
+        "vdna_knn_nearest": (address, c_uint32, address, c_uint32, address, address),
         "vdna_experience_localise_config": (
             POINTER(ExperienceFile),
             c_double,
@@ -593,6 +595,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_trust_config_init": (None, (POINTER(TrustConfig),)),
         "vdna_trust_mem_size": (size, (POINTER(TrustConfig),)),
         "vdna_trust_reset": (None, (address,)),
+        "vdna_knn_codes_size": (size, (c_uint32, c_uint32)),
         "vdna_trust_settled_frames": (c_uint32, (address,)),
         "vdna_trust_fitted": (POINTER(TrustFitFields), (address,)),
         "vdna_trust_intercepts": (address, (address,)),
