@@ -161,6 +161,8 @@ class Bench(unittest.TestCase):
         self.assertIn(f"| efficientnet_lite0 fp32 | {' | '.join(f'{n:.3g}' for n in row)} |", memory)
         self.assertIn("after 40; the most was", memory)
         self.check_plots("performance-throughput", "memory-long-run")
+        stages = stored["groups"]["stages"]["results"][0]["more"]
+        self.assertIn(f"| decode | {stages['decode, ms']:.3g} |", self.page("performance"))
 
     @unittest.skipUnless(HAS_DAEMON, "the daemon is not built")
     def test_what_runs_beside_a_bench_that_is_killed_ends_with_it(self):
