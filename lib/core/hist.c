@@ -2,6 +2,7 @@
 
 #include "count.h"
 #include "growth.h"
+#include "vectorised.h"
 
 /* Bytes of vdna_hist_config in version 0.1. */
 #define OLDEST_HIST_CONFIG sizeof(vdna_hist_config)
@@ -59,14 +60,22 @@ vdna_status vdna_hist_init(const vdna_hist_config *config, void *mem, size_t mem
     return VDNA_OK;
 }
 
+/* Whether a word is above `most`. No early exit, so that the loop vectorises: room is the rule. */
+VDNA_VECTORISED static int any_above(const uint32_t *words, size_t count, uint32_t most)
+{
+    int above = 0;
+    for (size_t i = 0; i < count; i++)
+        above |= words[i] > most;
+    return above;
+}
+
 /* see count.h; no count can exceed its neuron's mass, so capping the mass caps every count */
 int vdna_fits_frame(const vdna_hist *hist, const vdna_activations *taps, size_t tap_count)
 {
     size_t first = 0;
     for (size_t t = 0; t < tap_count; t++) {
-        for (size_t n = 0; n < taps[t].neurons; n++)
-            if (taps[t].samples > UINT32_MAX - hist->mass[first + n])
-                return 0;
+        if (any_above(hist->mass + first, taps[t].neurons, UINT32_MAX - taps[t].samples))
+            return 0;
         first += taps[t].neurons;
     }
     return hist->frames < UINT32_MAX;

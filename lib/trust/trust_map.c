@@ -38,19 +38,29 @@ static double relative_between(const float *a, const float *b, size_t dim)
 }
 
 /* see vdna/trust.h */
-vdna_status vdna_trust_nearest(const float *embedding, const float *frames, uint32_t dim,
-                               uint32_t count, double *out_relative, uint32_t *out_index)
+vdna_status vdna_trust_nearest_in(const float *embedding, const vdna_trust_run *run,
+                                  double *out_relative, uint32_t *out_index)
 {
     vdna_knn_match match;
-    if (!out_relative)
+    if (!run || !out_relative)
         return VDNA_ERR_ARG;
-    const vdna_status status = vdna_knn(embedding, dim, frames, count, 1, &match);
+    const vdna_status status =
+        vdna_knn_nearest(embedding, run->dim, run->embeddings, run->frames, run->codes, &match);
     if (status != VDNA_OK)
         return status;
-    *out_relative = relative_between(embedding, frames + (size_t)match.index * dim, dim);
+    *out_relative =
+        relative_between(embedding, run->embeddings + (size_t)match.index * run->dim, run->dim);
     if (out_index)
         *out_index = match.index;
     return VDNA_OK;
+}
+
+/* see vdna/trust.h */
+vdna_status vdna_trust_nearest(const float *embedding, const float *frames, uint32_t dim,
+                               uint32_t count, double *out_relative, uint32_t *out_index)
+{
+    const vdna_trust_run run = {.embeddings = frames, .frames = count, .dim = dim};
+    return vdna_trust_nearest_in(embedding, &run, out_relative, out_index);
 }
 
 /* Sums of integers do not depend on their order. */

@@ -16,7 +16,8 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 GROUPS = {"core": "group_core", "localise": "group_localise", "frame": "group_frame",
           "files": "group_files", "growth": "group_growth", "sizes": "group_sizes", "arm": "group_arm",
-          "footprint": "group_footprint", "start": "group_start", "drive": "group_drive"}
+          "footprint": "group_footprint", "start": "group_start", "drive": "group_drive",
+          "stages": "group_stages"}
 FORMAT = 1  # of the JSON file
 sys.dont_write_bytecode = True
 
@@ -125,10 +126,10 @@ def main():
     if not options.no_peers:
         import peers
         peers.enter(build, options.peers)
-    if "drive" in groups and not options.tiny:
+    if {"drive", "stages"} & set(groups) and not options.tiny:
         from scene import NETWORKS, Scene
         Scene(build).int8_manifest(next(iter(NETWORKS)))  # fetches the quantiser: later, no network
-    if {"footprint", "start", "drive"} & set(groups):
+    if {"footprint", "start", "drive", "stages"} & set(groups):
         os.environ["VDNA_BIN"] = str(build / "bin")
         import own_network
         own_network.enter()

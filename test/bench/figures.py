@@ -100,6 +100,9 @@ FIGURES = [
        beyond_bare_memory, "<=", 64, "MiB") for name in ("cosplace_224", "mugs_vitb16")],
     ("drive", "drive cosplace_224 int8", "memory", further("memory_mib"), "<=", 256, "MiB"),
     ("drive", "drive mugs_vitb16 int8", "memory", further("memory_mib"), "<=", 320, "MiB"),
+    *[("stages", f"stages efficientnet_lite0 {precision}, {phase}", "over ONNX Runtime alone",
+       overhead_percent, "<=", bound, "%")
+      for precision, bound in (("fp32", 15), ("int8", 25)) for phase in ("warmup", "choice made")],
     *[("growth", f"time of {what}", "exponent", further("exponent"), "<=", bound, "")
       for what, bound in (("ranking, by experiences", 1.05), ("ranking, by neurons", 1.05),
                           ("counting 100 frames, by frames counted before", 0.05))],

@@ -4,6 +4,7 @@ Every function yields (name, unit, units in a second, result of compare(), more 
 import numpy as np
 
 from measure import compare
+from scene import drive_along
 
 BINS = 1000
 CANDIDATE_BYTES = 256 << 20  # of different candidates; further ones repeat, to save memory
@@ -22,6 +23,7 @@ def run(context):
                 yield emd(context, neurons, count)
     for rows, dim in [(50, 8)] if small else [(1150, 128), (1150, 768), (100000, 768)]:
         yield nearest(context, rows, dim)
+    yield nearest_by_codes(context, *((50, 8) if small else (1150, 1008)))
     if context.library.has_baseline:
         for dim, frames in [(8, 20)] if small else [(128, LIVE), (768, LIVE), (768, MAP)]:
             yield frechet(context, dim, frames)
@@ -56,7 +58,9 @@ def histogram(context, neurons, samples):
     def ours():
         library.hist_add(table, taps, frames)
 
-    peers = {"reading the activations": lambda: library.read(frame, times=frames)}
+    counts, cells = np.zeros((BINS, neurons), np.uint32), cells_of(frame)
+    peers = {"reading the activations": lambda: library.read(frame, times=frames),
+             "adding one to cells that are given": lambda: library.increment(counts, cells, frames)}
     timed = scaled(compare(ours, peers, context.seconds), frames)
     if context.peers.package:
         package, one = package_histogram(context, frame, 64), package_histogram(context, frame, 1)
@@ -66,6 +70,12 @@ def histogram(context, neurons, samples):
             timed["peers"][name] = {"median": theirs["median"] / count,
                                     "speedup": theirs["speedup"] * frames / count}
     return f"histogram {neurons}x{samples}", "ns/activation", 1e9 / frame.size, timed, {}
+
+
+def cells_of(frame):
+    """Indices into counts [BINS][neurons] of the samples of a frame of activations()."""
+    bins = np.clip((frame.astype(np.float64) / 4 + 1) * BINS / 2, 0, BINS - 1).astype(np.uint32)
+    return (bins * np.uint32(frame.shape[1]) + np.arange(frame.shape[1], dtype=np.uint32)).ravel()
 
 
 def scaled(timed, count):
@@ -208,6 +218,31 @@ def nearest(context, rows, dim):
         index.add(frames)
         peers["faiss IndexFlatL2"] = searcher(context.peers.faiss, index, query)
     return f"nearest {rows}x{dim}", "us", 1e6, compare(ours, peers, context.seconds), {}
+
+
+def nearest_by_codes(context, rows, dim):
+    """Find the nearest frames of eight drives along one route, of which the query's is a ninth."""
+    from libvdna._library import KnnMatch, lib
+    random = np.random.default_rng(1)
+    route = np.cumsum(random.normal(size=(20, dim)), axis=0)
+    drives = [drive_along(route, random, rows) for _ in range(8)]
+    query, match = drive_along(route, random, rows)[rows // 2].copy(), np.empty(1, np.dtype(KnnMatch))
+    size = lib.vdna_knn_codes_size(dim, rows)
+    codes = [np.empty(size // 8 + 1) for _ in drives]
+    for drive, of_drive in zip(drives, codes):
+        lib.vdna_knn_encode(drive.ctypes.data, dim, rows, of_drive.ctypes.data, size)
+
+    def ours():
+        for drive, of_drive in zip(drives, codes):
+            lib.vdna_knn_nearest(query.ctypes.data, dim, drive.ctypes.data, rows,
+                                 of_drive.ctypes.data, match.ctypes.data)
+
+    def without():
+        for drive in drives:
+            lib.vdna_knn(query.ctypes.data, dim, drive.ctypes.data, rows, 1, match.ctypes.data)
+
+    timed = compare(ours, {"vdna_knn": without}, context.seconds)
+    return f"nearest by codes, 8 x {rows}x{dim}", "us", 1e6, timed, {}
 
 
 def frechet(context, dim, frames):

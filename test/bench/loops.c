@@ -13,6 +13,14 @@ vdna_status bench_hist_add(vdna_hist *hist, const vdna_activations *tap, size_t 
     return status;
 }
 
+/* see loops.h */
+void bench_increment(uint32_t *counts, const uint32_t *cells, size_t count, size_t times)
+{
+    for (size_t t = 0; t < times; t++)
+        for (size_t i = 0; i < count; i++)
+            counts[cells[i]]++;
+}
+
 static vdna_window_config window_config(const vdna_activations *tap, const float *range,
                                         uint32_t capacity)
 {

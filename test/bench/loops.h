@@ -7,6 +7,10 @@
 /** Count the same frame `frames` times. */
 VDNA_API vdna_status bench_hist_add(vdna_hist *hist, const vdna_activations *tap, size_t frames);
 
+/** Count samples whose cells are known, `times` times: the limit of counting.
+ *  @param cells  [count], indices into `counts` */
+VDNA_API void bench_increment(uint32_t *counts, const uint32_t *cells, size_t count, size_t times);
+
 /** Bytes for a window of `capacity` frames like `tap`, its struct in front. */
 VDNA_API size_t bench_window_size(const vdna_activations *tap, const float *range,
                                   uint32_t capacity);

@@ -36,6 +36,11 @@ class Library:
         """Count the frame `taps` (activations.Taps) `times` times."""
         self._require(self._bench.bench_hist_add(byref(histogram._hist), taps.array, frames))
 
+    def increment(self, counts, cells, times):
+        """Add one to each of the cells, given as indices, `times` times."""
+        self._bench.bench_increment(c_void_p(counts.ctypes.data), c_void_p(cells.ctypes.data),
+                                    c_size_t(cells.size), c_size_t(times))
+
     def window(self, ranges, taps, capacity):
         """A window of frames like `taps`: a function that adds them so many times."""
         import numpy as np

@@ -1,4 +1,5 @@
 """docs/reference/performance.md and its plots, from the measurements."""
+import page_stages
 from figures import judged, verdict
 from plot import bars, lines
 
@@ -112,6 +113,7 @@ def write(stored, folder):
         (folder / "performance-throughput.svg").write_text(plot, encoding="utf-8")
         text += "![Throughput beside peers](performance-throughput.svg)\n\n"
     text += stages_part(stored) + growth_part(stored, folder) + arm_part(stored)
+    text += page_stages.part(stored)
     text += all_part(stored) + method_part(stored) + missed_part(stored)
     (folder / "performance.md").write_text(text.rstrip() + "\n", encoding="utf-8")
 

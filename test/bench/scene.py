@@ -10,6 +10,7 @@ from bare import configured
 
 ROOT = Path(__file__).resolve().parents[2]
 MAP_FRAMES = 1150
+CHANGE = 0.8  # of the deviation over a drive
 CALIBRATION = 40  # pictures for int8
 CONDITIONS = ("spring", "summer", "autumn", "winter", "overcast", "rain", "dusk", "night")
 
@@ -70,15 +71,15 @@ class Scene:
         return path
 
     def map(self, manifest, count):
-        """A map of copies of one experience built from pictures, with random counts and embeddings
-        of MAP_FRAMES frames."""
+        """A map of drives along the route of the pictures, with random counts and MAP_FRAMES frames
+        each."""
         version = hashlib.sha256(manifest.read_bytes()).hexdigest()[:8]
-        folder = self.folder / "maps" / f"{manifest.stem}-{version}-{count}"
+        folder = self.folder / "maps" / f"{manifest.stem}-{version}-{count}-drives"
         if not folder.exists():
             seed, part = (folder.with_suffix(end) for end in (".seed", ".part"))
             for path in (seed, part):
                 shutil.rmtree(path, ignore_errors=True)
-            self._vdna("build", seed, "--backbone", manifest, self.pictures(3)[0].parent)
+            self._vdna("build", seed, "--backbone", manifest, self.pictures(20)[0].parent)
             part.mkdir(parents=True)
             write_copies(next(seed.glob("*.vdna")), part, count)
             shutil.rmtree(seed)
@@ -128,8 +129,19 @@ class Scene:
         return self.folder / "maps" / f"{name}-{manifest.stem}-{version}"
 
 
+def drive_along(frames, random, count=MAP_FRAMES):
+    """`count` embeddings of a drive past the places of `frames`, each changed at random: the
+    nearest is three quarters as far away as most, as in another season."""
+    at = np.linspace(0, len(frames) - 1, count)
+    before = np.minimum(at.astype(int), len(frames) - 2)
+    share = (at - before)[:, None]
+    places = (1 - share) * frames[before] + share * frames[before + 1]
+    change = CHANGE * random.normal(size=places.shape) * frames.std(axis=0)
+    return (places + change).astype(np.float32)
+
+
 def write_copies(path, folder, count):
-    """Experiences like the one in `path`."""
+    """Drives like the one in `path`."""
     from group_core import random_dna
     from libvdna import Experience, HistogramView
     seed = Experience.open(path)
@@ -137,11 +149,10 @@ def write_copies(path, folder, count):
     masses = seed.histogram.mass // seed.frames  # samples of a frame
     for number in range(count):
         counts = random_dna(seed.histogram.neurons, MAP_FRAMES, number) * masses.astype(np.uint32)
-        embeddings = random.normal(size=(MAP_FRAMES, seed.dim)).astype(np.float32)
+        embeddings = drive_along(np.asarray(seed.embeddings), random)
         last_layer = None
         if seed.last_layer is not None:
-            size = seed.last_layer.shape[1]
-            last_layer = random.normal(size=(MAP_FRAMES, size)).astype(np.float32)
+            last_layer = drive_along(np.asarray(seed.last_layer), random)
         Experience(
             name=f"copy{number}", backbone=seed.backbone, model_sha256=seed.model_sha256,
             preprocessing=seed.preprocessing, precision=seed.precision, taps=seed.taps,

@@ -154,7 +154,7 @@ class Bench(unittest.TestCase):
 
     @unittest.skipUnless(HAS_DAEMON, "the daemon is not built")
     def test_a_drive_past_the_real_daemon_ends_in_a_ranking(self):
-        stored = self.measured("frame", "footprint", "start", "drive")
+        stored = self.measured("frame", "footprint", "start", "drive", "stages")
         for group in stored["groups"].values():
             self.check_group(group)
         results = {result["name"]: result for result in stored["groups"]["drive"]["results"]}
@@ -179,6 +179,8 @@ class Bench(unittest.TestCase):
         self.assertIn(f"| efficientnet_lite0 fp32 | {' | '.join(f'{n:.3g}' for n in row)} |", memory)
         self.assertIn("after 40; the most was", memory)
         self.check_plots("performance-throughput", "memory-long-run")
+        stages = stored["groups"]["stages"]["results"][0]["more"]
+        self.assertIn(f"| decode | {stages['decode, ms']:.3g} |", self.page("performance"))
 
     @unittest.skipUnless(HAS_DAEMON, "the daemon is not built")
     def test_what_runs_beside_a_bench_that_is_killed_ends_with_it(self):

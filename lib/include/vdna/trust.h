@@ -133,8 +133,10 @@ typedef struct vdna_trust_run {
     const double *position; /**< [frames][3], metres in one frame for all runs, NaN = this frame has
                                  none; for horizontal distances the third is 0; NULL = none. Where
                                  both runs have positions, these decide, and places do not */
-    uint32_t frames;        /**< >= 1 */
-    uint32_t dim;           /**< >= 1 */
+    const void *codes; /**< of the embeddings, by vdna_knn_encode(): the nearest is found faster,
+                            with the same bits; NULL = none */
+    uint32_t frames;   /**< >= 1 */
+    uint32_t dim;      /**< >= 1 */
     uint32_t last_layer_dim; /**< 1..VDNA_TRUST_CODES_MAX; 0 = none */
     uint32_t reserved;       /**< 0 */
 } vdna_trust_run;
@@ -164,6 +166,12 @@ VDNA_API uint32_t vdna_trust_windows(uint32_t frames, uint32_t *out_first, uint3
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NONFINITE as vdna_knn() */
 VDNA_API vdna_status vdna_trust_nearest(const float *embedding, const float *frames, uint32_t dim,
                                         uint32_t count, double *out_relative, uint32_t *out_index);
+
+/** The same of a run, by its codes if it has any.
+ *  @param run  of which embeddings, codes, frames and dim are read
+ *  @return as vdna_trust_nearest() */
+VDNA_API vdna_status vdna_trust_nearest_in(const float *embedding, const vdna_trust_run *run,
+                                           double *out_relative, uint32_t *out_index);
 
 /** The same on codes of vdna/int8.h, with exact sums.
  *  @param codes         [dim], of vdna_int8_encode()

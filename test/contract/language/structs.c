@@ -106,6 +106,7 @@ static void print_trust(void)
     FIELD(vdna_trust_run, last_layer_scale);
     FIELD(vdna_trust_run, place);
     FIELD(vdna_trust_run, position);
+    FIELD(vdna_trust_run, codes);
     FIELD(vdna_trust_run, frames);
     FIELD(vdna_trust_run, dim);
     FIELD(vdna_trust_run, last_layer_dim);

@@ -486,6 +486,26 @@ static void nearest(calls *c, machine *m)
     free(matches);
 }
 
+static void nearest_by_codes(calls *c, machine *m)
+{
+    (void)m;
+    enum { ROWS = 40, DIM = 20 };
+    const uint32_t dim = below(c, DIM), rows = below(c, ROWS);
+    float *query = floats_of(c, dim), *map = floats_of(c, (size_t)rows * dim);
+    const size_t size = vdna_knn_codes_size(dim, rows);
+    MUST((size == 0) == (dim == 0 || rows == 0));
+    double *codes = block_of(size);
+    if (vdna_knn_encode(map, dim, rows, codes, size) == VDNA_OK) {
+        vdna_knn_match by_codes, without;
+        const vdna_status status = vdna_knn(query, dim, map, rows, 1, &without);
+        MUST(vdna_knn_nearest(query, dim, map, rows, codes, &by_codes) == status);
+        MUST(status != VDNA_OK || memcmp(&by_codes, &without, sizeof without) == 0);
+    }
+    free(query);
+    free(map);
+    free(codes);
+}
+
 static void encode(calls *c, machine *m)
 {
     (void)m;
@@ -564,29 +584,18 @@ static void recognise(calls *c, machine *m)
 
 /* ---- the program */
 
-static void (*const operations[])(calls *, machine *) = {observe,
-                                                         expand,
-                                                         make_hist,
-                                                         add,
-                                                         add,
-                                                         merge_or_subtract,
-                                                         reset_hist,
-                                                         compare,
-                                                         sort,
-                                                         make_window,
-                                                         offer,
-                                                         offer,
-                                                         offer,
-                                                         reset_window,
-                                                         nearest,
-                                                         encode,
-                                                         begin_time,
-                                                         take_stamp,
-                                                         take_stamp,
-                                                         recognise,
-                                                         texts,
-                                                         explain,
-                                                         find_example_frames};
+static void (*const operations[])(calls *, machine *) = {observe,    expand,
+                                                         make_hist,  add,
+                                                         add,        merge_or_subtract,
+                                                         reset_hist, compare,
+                                                         sort,       make_window,
+                                                         offer,      offer,
+                                                         offer,      reset_window,
+                                                         nearest,    nearest_by_codes,
+                                                         encode,     begin_time,
+                                                         take_stamp, take_stamp,
+                                                         recognise,  texts,
+                                                         explain,    find_example_frames};
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {

@@ -159,6 +159,9 @@ static void nearest_of_floats(calls *c, machine *m)
         vdna_trust_nearest(embedding, run.embeddings, DIM, run.run.frames, &relative, &index);
     MUST(status == VDNA_OK ? is_within(relative, 0, 2) && index < run.run.frames
                            : status == VDNA_ERR_NONFINITE && relative == -1);
+    double of_run = -1;
+    MUST(vdna_trust_nearest_in(embedding, &run.run, &of_run, NULL) == status);
+    MUST(memcmp(&of_run, &relative, sizeof relative) == 0);
     free(embedding);
     free_run(&run);
 }

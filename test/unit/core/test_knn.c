@@ -1,4 +1,6 @@
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include <vdna/knn.h>
 
@@ -160,6 +162,142 @@ static void bad_arguments_are_refused(void **state)
     assert_int_equal(vdna_knn(x, 1, x, 1, 1, NULL), VDNA_ERR_ARG);
 }
 
+/* ---- The nearest by codes ---- */
+
+static uint32_t seed = 1;
+
+/* -1..1 */
+static float random_number(void)
+{
+    seed = seed * 1664525u + 1013904223u;
+    return (float)(int32_t)seed / 2147483648.0f;
+}
+
+static void *codes_of(const float *map, uint32_t dim, uint32_t rows)
+{
+    const size_t size = vdna_knn_codes_size(dim, rows);
+    void *const codes = malloc(size);
+    assert_non_null(codes);
+    assert_int_equal(vdna_knn_encode(map, dim, rows, codes, size), VDNA_OK);
+    return codes;
+}
+
+static void assert_as_without_codes(const float *query, uint32_t dim, const float *map,
+                                    uint32_t rows, const void *codes)
+{
+    vdna_knn_match found, expected;
+    const vdna_status status = vdna_knn(query, dim, map, rows, 1, &expected);
+    assert_int_equal(vdna_knn_nearest(query, dim, map, rows, codes, &found), status);
+    if (status == VDNA_OK)
+        assert_memory_equal(&found, &expected, sizeof found);
+}
+
+/* A route: each row is like the one before. */
+static void fill_route(float *map, uint32_t dim, uint32_t rows, double unit)
+{
+    for (size_t i = 0; i < (size_t)dim * rows; i++) {
+        const float before = i < dim ? random_number() : map[i - dim];
+        map[i] = i < dim ? (float)(before * unit) : (float)(before + 0.2 * random_number() * unit);
+    }
+}
+
+static void codes_change_no_bit_of_the_nearest(void **state)
+{
+    (void)state;
+    enum { MOST_ROWS = 1100, MOST_DIM = 300 };
+    static float map[MOST_ROWS * MOST_DIM], query[MOST_DIM];
+    const double units[] = {1e-44, 1e-33, 1e-20, 1e-9, 1, 1e12};
+    const uint32_t dims[] = {1, 2, 15, 16, 33, MOST_DIM}, rows[] = {1, 2, 16, 17, 33, MOST_ROWS};
+    for (size_t u = 0; u < sizeof units / sizeof *units; u++)
+        for (size_t shape = 0; shape < 36; shape++) {
+            const uint32_t dim = dims[shape % 6], count = rows[shape / 6];
+            fill_route(map, dim, count, units[u]);
+            void *const codes = codes_of(map, dim, count);
+            for (uint32_t q = 0; q < 12; q++) {
+                const float *row = map + (size_t)(q * 7919u % count) * dim;
+                const double noise = q < 4 ? 0 : q < 8 ? 0.3 : 30;
+                for (uint32_t i = 0; i < dim; i++)
+                    query[i] = (float)(row[i] + noise * random_number() * units[u]);
+                assert_as_without_codes(query, dim, map, count, codes);
+            }
+            free(codes);
+        }
+}
+
+static void of_equal_rows_the_first_is_found_by_codes_too(void **state)
+{
+    (void)state;
+    const float query[] = {0};
+    for (uint32_t equal = 0; equal < 40; equal++) {
+        float map[40];
+        for (uint32_t row = 0; row < 40; row++)
+            map[row] = row >= equal ? (row & 1 ? 1.0f : -1.0f) : 2;
+        void *const codes = codes_of(map, 1, 40);
+        vdna_knn_match match;
+        assert_int_equal(vdna_knn_nearest(query, 1, map, 40, codes, &match), VDNA_OK);
+        assert_int_equal(match.index, equal);
+        free(codes);
+    }
+}
+
+static void rows_nearly_alike_are_told_apart_in_spite_of_codes(void **state)
+{
+    (void)state;
+    static float map[ROWS][DIM];
+    const float query[DIM] = {0};
+    make_rows_alike();
+    for (uint32_t row = 0; row < ROWS; row++)
+        for (uint32_t i = 0; i < DIM; i++)
+            map[row][i] = (float)steps[row][i];
+    void *const codes = codes_of(map[0], DIM, ROWS);
+    vdna_knn_match match;
+    assert_int_equal(vdna_knn_nearest(query, DIM, map[0], ROWS, codes, &match), VDNA_OK);
+    assert_int_equal(rank_of(match.index), 0);
+    free(codes);
+}
+
+static void a_query_beyond_codes_is_answered_without_them(void **state)
+{
+    (void)state;
+    const float map[] = {0, 1, 2, 3};
+    void *const codes = codes_of(map, 1, 4);
+    const float queries[] = {1e16f, -3e18f, 1.9e19f, INFINITY, NAN};
+    for (size_t q = 0; q < sizeof queries / sizeof *queries; q++)
+        assert_as_without_codes(&queries[q], 1, map, 4, codes);
+    assert_as_without_codes(map, 1, map, 4, NULL);
+    free(codes);
+
+    enum { LONG = 5000 };
+    static const float zeros[2 * LONG];
+    assert_int_equal(vdna_knn_codes_size(LONG, 2), 0);
+    assert_as_without_codes(zeros, LONG, zeros, 2, zeros);
+}
+
+static void what_has_no_codes_is_refused(void **state)
+{
+    (void)state;
+    const float good[] = {1, 2}, too_long[] = {0, 1.1e15f}, bad[] = {1, NAN};
+    double mem[8];
+    const size_t size = vdna_knn_codes_size(1, 2);
+    assert_true(size > 0 && size < sizeof mem);
+    assert_int_equal(vdna_knn_codes_size(0, 2), 0);
+    assert_int_equal(vdna_knn_codes_size(1, 0), 0);
+    assert_int_equal(vdna_knn_encode(NULL, 1, 2, mem, size), VDNA_ERR_ARG);
+    assert_int_equal(vdna_knn_encode(good, 1, 2, NULL, size), VDNA_ERR_ARG);
+    assert_int_equal(vdna_knn_encode(good, 0, 2, mem, size), VDNA_ERR_ARG);
+    assert_int_equal(vdna_knn_encode(good, 1, 2, (char *)mem + 4, size), VDNA_ERR_ARG);
+    assert_int_equal(vdna_knn_encode(good, 1, 2, mem, size - 1), VDNA_ERR_NOMEM);
+    assert_int_equal(vdna_knn_encode(too_long, 1, 2, mem, size), VDNA_ERR_NONFINITE);
+    assert_int_equal(vdna_knn_encode(bad, 1, 2, mem, size), VDNA_ERR_NONFINITE);
+    assert_int_equal(vdna_knn_encode(good, 1, 2, mem, size), VDNA_OK);
+
+    vdna_knn_match match;
+    assert_int_equal(vdna_knn_nearest(NULL, 1, good, 2, mem, &match), VDNA_ERR_ARG);
+    assert_int_equal(vdna_knn_nearest(good, 1, NULL, 2, mem, &match), VDNA_ERR_ARG);
+    assert_int_equal(vdna_knn_nearest(good, 1, good, 2, mem, NULL), VDNA_ERR_ARG);
+    assert_int_equal(vdna_knn_nearest(good, 0, good, 2, mem, &match), VDNA_ERR_ARG);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -171,6 +309,11 @@ int main(void)
         cmocka_unit_test(squares_are_within_the_promised_error),
         cmocka_unit_test(a_distance_that_is_not_finite_is_refused),
         cmocka_unit_test(bad_arguments_are_refused),
+        cmocka_unit_test(codes_change_no_bit_of_the_nearest),
+        cmocka_unit_test(of_equal_rows_the_first_is_found_by_codes_too),
+        cmocka_unit_test(rows_nearly_alike_are_told_apart_in_spite_of_codes),
+        cmocka_unit_test(a_query_beyond_codes_is_answered_without_them),
+        cmocka_unit_test(what_has_no_codes_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

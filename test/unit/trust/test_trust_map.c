@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include <vdna/int8.h>
+#include <vdna/knn.h>
 #include <vdna/trust.h>
 
 #include "cmocka_all.h"
@@ -65,6 +66,25 @@ static void a_search_refuses_what_knn_refuses(void **state)
     REFUSED(vdna_trust_nearest(live, live, 2, 0, &relative, &index));
     assert_int_equal(vdna_trust_nearest(live, bad, 2, 1, &relative, &index), VDNA_ERR_NONFINITE);
     assert_true(relative == 7 && index == 7);
+}
+
+static void the_nearest_in_a_run_is_the_same_with_codes_and_without(void **state)
+{
+    (void)state;
+    static const float live[] = {3, 4}, frames[][2] = {{300, 400}, {0, 5}, {6, 8}, {3, -1}};
+    double codes[16], expected, relative = 7;
+    uint32_t index = 7;
+    OK(vdna_knn_encode(frames[0], 2, 4, codes, sizeof codes));
+    OK(vdna_trust_nearest(live, frames[0], 2, 4, &expected, NULL));
+    vdna_trust_run run = {.embeddings = frames[0], .frames = 4, .dim = 2};
+    REFUSED(vdna_trust_nearest_in(live, NULL, &relative, &index));
+    REFUSED(vdna_trust_nearest_in(live, &run, NULL, &index));
+    assert_true(relative == 7 && index == 7);
+    for (int with_codes = 0; with_codes < 2; with_codes++) {
+        run.codes = with_codes ? codes : NULL;
+        OK(vdna_trust_nearest_in(live, &run, &relative, &index));
+        assert_true(index == 1 && relative == expected);
+    }
 }
 
 static void codes_are_compared_as_what_they_stand_for(void **state)
@@ -519,6 +539,7 @@ int main(void)
         cmocka_unit_test(its_ends_are_0_and_2),
         cmocka_unit_test(a_scale_of_all_numbers_changes_no_bit),
         cmocka_unit_test(a_search_refuses_what_knn_refuses),
+        cmocka_unit_test(the_nearest_in_a_run_is_the_same_with_codes_and_without),
         cmocka_unit_test(codes_are_compared_as_what_they_stand_for),
         cmocka_unit_test(codes_without_a_scale_or_a_frame_are_refused),
         cmocka_unit_test(the_longest_codes_do_not_overflow),

@@ -9,10 +9,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <vdna/cpp/error.hpp>
 #include <vdna/cpp/map.hpp>
+#include <vdna/knn.h>
 #include <vdna/map_trust.h>
 #include <vdna/trust.h>
 
@@ -130,8 +132,10 @@ class Trust
         config.tables = known ? &known->tables : nullptr;
         config.localiser = known ? known->localiser : trust_localiser_of(experiences.front());
         block_.emplace(config, directory + ": trust");
-        for (const vdna_experience &experience : experiences)
+        for (const vdna_experience &experience : experiences) {
             runs_.push_back(trust_run_of(experience));
+            encode(runs_.back());
+        }
         why_no_predictions_ = known ? why_not_by(known->tables) : why_no_tables_;
     }
 
@@ -170,12 +174,29 @@ class Trust
     }
 
     /** Bytes that it holds, but for the reasons. */
-    size_t memory_size() const { return block_->memory_size() + runs_.size() * sizeof runs_[0]; }
+    size_t memory_size() const
+    {
+        size_t size = block_->memory_size() + runs_.size() * sizeof runs_[0];
+        for (const std::vector<double> &codes : codes_)
+            size += codes.size() * sizeof(double);
+        return size;
+    }
 
     /** The experiences, by which live frames are compared with them: see vdna_trust_nearest(). */
     const std::vector<vdna_trust_run> &runs() const { return runs_; }
 
   private:
+    // Give a run codes. One that can have none is searched without.
+    void encode(vdna_trust_run &run)
+    {
+        const size_t size = vdna_knn_codes_size(run.dim, run.frames);
+        std::vector<double> codes((size + sizeof(double) - 1) / sizeof(double));
+        if (vdna_knn_encode(run.embeddings, run.dim, run.frames, codes.data(), size) != VDNA_OK)
+            return;
+        run.codes = codes.data();
+        codes_.push_back(std::move(codes));
+    }
+
     static bool has_distances(const vdna_trust_tables &tables, size_t runs)
     {
         for (size_t i = 0; i < runs * runs; i++)
@@ -204,6 +225,7 @@ class Trust
     std::string why_no_tables_, why_no_predictions_;
     std::optional<TrustBlock> block_; // there once it is constructed
     std::vector<vdna_trust_run> runs_;
+    std::vector<std::vector<double>> codes_; // of the runs, aligned as they are to be
 };
 
 } // namespace vdna
