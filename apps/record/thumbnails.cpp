@@ -18,7 +18,9 @@ std::string Thumbnails::of(const frames::Frame &frame)
 {
     vdna_pixels pixels;
     vdna_error error{};
-    require(vdna_decoder_decode(decoder_.get(), &frame.image, &error, &pixels), error);
+    require(vdna_decoder_decode_reduced(decoder_.get(), &frame.image, side_max, side_max, &error,
+                                        &pixels),
+            error);
     return picture::jpeg_within(shrinker_.shrink(pixels), VDNA_THUMBNAIL_MAX);
 }
 

@@ -33,7 +33,9 @@ std::string CameraJpeg::of(const vdna_image &image)
 
     vdna_pixels pixels;
     vdna_error error{};
-    require(vdna_decoder_decode(decoder_.get(), &image, &error, &pixels), error);
+    require(
+        vdna_decoder_decode_reduced(decoder_.get(), &image, side_max, side_max, &error, &pixels),
+        error);
     try {
         return picture::jpeg_of(shrinker_.shrink(pixels), quality);
     } catch (const std::bad_alloc &) {

@@ -198,8 +198,8 @@ bool Reader::flag(const toml::table &table, std::string_view key) const
 
 Input Reader::input(const toml::table &table) const
 {
-    allow_only(table,
-               {"name", "width", "height", "colour", "mean", "std", "resize", "interpolation"});
+    allow_only(table, {"name", "width", "height", "colour", "mean", "std", "resize",
+                       "interpolation", "decode"});
     Input input{};
     input.name = text(table, "name");
     input.width = side(table, "width");
@@ -212,6 +212,7 @@ Input Reader::input(const toml::table &table) const
     choice(table, "resize", {"stretch"});
     input.interpolation =
         static_cast<picture::Interpolation>(choice(table, "interpolation", interpolation_names));
+    input.reduced = table.contains("decode") && choice(table, "decode", {"full", "reduced"}) == 1;
     return input;
 }
 
@@ -414,6 +415,7 @@ std::string preprocessing_text(const Manifest &manifest)
            (input.bgr ? " BGR" : " RGB") + " mean=" + triple(input.mean) +
            " std=" + triple(input.std) + " resize=stretch/" +
            std::string(interpolation_names.begin()[static_cast<size_t>(input.interpolation)]) +
+           (input.reduced ? " decode=reduced" : "") +
            " l2=" + (manifest.embedding.l2_normalise ? "1" : "0");
 }
 

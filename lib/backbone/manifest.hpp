@@ -23,6 +23,7 @@ struct Input {
     std::array<double, 3> mean; // subtracted, in units of 0..255
     std::array<double, 3> std;  // then divided by, > 0
     picture::Interpolation interpolation;
+    bool reduced; // decode a JPEG picture no larger than needed for width and height
 
     static constexpr uint32_t side_max = 4096;
 };

@@ -215,7 +215,7 @@ OnnxBackbone &of(void *state)
 vdna_backbone_frame run(OnnxBackbone &backbone, picture::Decoder &decoder, const vdna_image &image)
 {
     const auto begin = Clock::now();
-    const vdna_pixels pixels = decoder.decode(image);
+    const vdna_pixels pixels = decoder.decode(image, backbone.preprocessor.least());
     const float grey = picture::mean_grey(pixels);
     vdna_health_picture health{};
     vdna_health_measure(&pixels, &health); // cannot fail: a decoded picture has pixels

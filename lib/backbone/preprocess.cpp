@@ -4,7 +4,7 @@ namespace vdna::backbone
 {
 
 Preprocessor::Preprocessor(const Input &input)
-    : size_{input.width, input.height},
+    : size_{input.width, input.height}, least_(input.reduced ? size_ : picture::Decoder::whole),
       order_(input.bgr ? std::array<size_t, 3>{2, 1, 0} : std::array<size_t, 3>{0, 1, 2}),
       tables_(), resampler_(input.interpolation, size_), row_(input.width * picture::channels_max)
 {

@@ -177,7 +177,8 @@ VDNA_API void vdna_backbone_describe(const vdna_backbone *backbone, vdna_backbon
 /** Run one picture.
  *  @param backbone  an open one
  *  @param image  any content; checked in full before a byte of it is used; decoded as
- *                vdna_decoder_decode() does
+ *                vdna_decoder_decode() does, or as vdna_decoder_decode_reduced() does for the size
+ *                of the network's input if the manifest says `decode = "reduced"`
  *  @param error  filled on failure; NULL = not wanted
  *  @param out_frame  borrowed until the next call with this backbone
  *  @return VDNA_OK; VDNA_ERR_FORMAT if the picture cannot be decoded; VDNA_ERR_UNSUPPORTED for an

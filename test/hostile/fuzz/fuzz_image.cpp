@@ -1,9 +1,10 @@
 // Any bytes as a picture of any format, and as a file of any kind: it is either decoded or refused
-// with a Failure. Any bytes as an EXIF block, and in a JPEG, PNG or TIFF file: it states one of
+// with a Failure, and a JPEG that is decoded in full is decoded reduced, with sides that were asked
+// for. Any bytes as an EXIF block, and in a JPEG, PNG or TIFF file: it states one of
 // eight orientations.
 //
 // The first 13 bytes are the fields of vdna_image (pixel format, width, height, row stride); the
-// rest is its data.
+// rest is its data. A JPEG does not need width and height: they are those that are asked for.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -91,6 +92,7 @@ std::vector<uint8_t> seed_of(size_t index)
         index -= std::size(encodings) + raw;
         bytes = another_seed(index);
         seed[0] = index == block_alone ? exif_index : 0;
+        seed[1] = seed[5] = side / 2; // reduces a JPEG
     }
     seed.insert(seed.end(), bytes.begin(), bytes.end());
     return seed;
@@ -100,6 +102,25 @@ std::vector<uint8_t> seed_of(size_t index)
 vdna_image camera_image(const vdna_image &image, vdna::picture::FileConverter &converter)
 {
     return image.pixelformat == file ? converter.convert(image.data, image.size) : image;
+}
+
+// A side of a whole picture, reduced as little as its side in the reduced picture shows.
+bool is_reduced(uint32_t side, uint32_t whole, uint32_t least)
+{
+    for (uint32_t divisor = 1; divisor <= 8; divisor *= 2)
+        if (side == whole / divisor + (whole % divisor != 0))
+            return side >= least || side == whole;
+    return false;
+}
+
+// It must not be refused: it was decoded in full.
+void decode_reduced(vdna::picture::Decoder &decoder, const vdna_image &image,
+                    vdna::picture::Size least, const vdna_pixels &whole) noexcept
+{
+    const vdna_pixels pixels = decoder.decode(image, least);
+    if (!is_reduced(pixels.width, whole.width, least.width) ||
+        !is_reduced(pixels.height, whole.height, least.height))
+        std::abort();
 }
 
 } // namespace
@@ -135,10 +156,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     vdna::picture::Decoder decoder(pixels_max);
     vdna::picture::FileConverter converter;
     try {
-        const vdna_pixels pixels = decoder.decode(camera_image(image, converter));
+        const vdna_image sent = camera_image(image, converter);
+        const vdna_pixels pixels = decoder.decode(sent);
         const float grey = vdna::picture::mean_grey(pixels);
         if (pixels.width * pixels.height > pixels_max || !(grey >= 0.0f && grey <= 255.0f))
             std::abort();
+        if (sent.pixelformat == VDNA_PIXEL_ENCODED || sent.pixelformat == VDNA_PIXEL_MJPG)
+            decode_reduced(decoder, sent, {image.width, image.height}, pixels);
     } catch (const vdna::fail::Failure &) {
     }
     return 0;

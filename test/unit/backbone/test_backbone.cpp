@@ -17,6 +17,7 @@
 
 #include "backbone/golden.hpp"
 #include "backbone/test_picture.hpp"
+#include "picture/small_jpeg.hpp"
 
 using Bytes = std::vector<uint8_t>;
 
@@ -31,6 +32,7 @@ struct Recipe {
     std::string l2_normalise = "false";
     std::string golden; // section at the end
     std::string width = "2";
+    std::string decode = "full";
     std::string model = file_bytes(VDNA_TINY_NETWORK);
     std::string sha256 = ""; // of `model` if empty
 };
@@ -52,8 +54,9 @@ class TinyNetwork
                              "width = " +
                              recipe.width + "\nheight = 2\ncolour = \"" + recipe.colour +
                              "\"\nmean = " + recipe.mean + "\nstd = " + recipe.std +
-                             "\nresize = \"stretch\"\ninterpolation = \"area\"\n" + recipe.taps +
-                             "[embedding]\noutput = \"" + recipe.embedding + "\"\n" + recipe.how +
+                             "\nresize = \"stretch\"\ninterpolation = \"area\"\ndecode = \"" +
+                             recipe.decode + "\"\n" + recipe.taps + "[embedding]\noutput = \"" +
+                             recipe.embedding + "\"\n" + recipe.how +
                              "l2_normalise = " + recipe.l2_normalise + "\n" + recipe.golden);
     }
 
@@ -207,6 +210,41 @@ static void a_larger_picture_is_averaged_down(void **)
     vdna_backbone *backbone = opened();
     assert_values(run(backbone, image).taps[0].values, {50, 200, 50, 8, 50, 200, 50, 8});
     vdna_backbone_close(backbone);
+}
+
+// A JPEG that says nothing but 4 colours, one in each 8x8 block.
+static std::string four_blocks()
+{
+    vdna_pixels pixels = {nullptr, size_t{16} * 3, 16, 16, 3, {0, 1, 2}};
+    Bytes bytes;
+    for (size_t y = 0; y < 16; y++)
+        for (size_t x = 0; x < 16; x++)
+            for (size_t c = 0; c < 3; c++)
+                bytes.push_back(static_cast<uint8_t>(40 + 60 * (x / 8) + 90 * (y / 8)));
+    pixels.data = bytes.data();
+    return vdna::picture::jpeg_of(pixels, 100);
+}
+
+static void a_jpeg_is_reduced_only_if_the_manifest_says_so(void **)
+{
+    const std::string jpeg = four_blocks();
+    const vdna_image image = {
+        reinterpret_cast<const uint8_t *>(jpeg.data()), jpeg.size(), 0, 0, 0, VDNA_PIXEL_MJPG};
+    Recipe recipe;
+    for (const auto &[decode, side] : {std::pair("full", 16u), std::pair("reduced", 2u)}) {
+        recipe.decode = decode;
+        vdna_backbone *backbone = opened(recipe);
+        const vdna_backbone_frame frame = run(backbone, image);
+        assert_int_equal(frame.health.width, side);
+        const float levels[] = {40, 100, 130, 190};
+        for (size_t i = 0; i < 4; i++)
+            assert_float_equal(frame.input[i], levels[i], 2.0f);
+        vdna_backbone_info info;
+        vdna_backbone_describe(backbone, &info);
+        assert_int_equal(std::strstr(info.identity.preprocessing, "decode=reduced") != nullptr,
+                         side == 2);
+        vdna_backbone_close(backbone);
+    }
 }
 
 static void l2_normalisation_concerns_the_embedding_only(void **)
@@ -552,6 +590,7 @@ int main()
         cmocka_unit_test(taps_have_the_layout_of_the_network),
         cmocka_unit_test(mean_and_std_are_in_the_channel_order_of_the_network),
         cmocka_unit_test(a_larger_picture_is_averaged_down),
+        cmocka_unit_test(a_jpeg_is_reduced_only_if_the_manifest_says_so),
         cmocka_unit_test(l2_normalisation_concerns_the_embedding_only),
         cmocka_unit_test(a_grid_of_a_feature_map_is_the_embedding_and_the_tap_stays),
         cmocka_unit_test(a_map_may_keep_fewer_numbers_than_a_frame_has),

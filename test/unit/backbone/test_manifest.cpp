@@ -88,6 +88,23 @@ static void the_preprocessing_has_one_canonical_text(void **)
                         "resize=stretch/cubic l2=1");
 }
 
+static void pictures_are_decoded_in_full_unless_a_manifest_says_otherwise(void **)
+{
+    const Folder folder;
+    const auto text_of = [&](const std::string &decode) {
+        return preprocessing_text(
+            read_manifest(folder.write("m.toml", with(whole, "[[taps]]\noutput = \"tokens\"",
+                                                      decode + "[[taps]]\noutput = \"tokens\""))));
+    };
+    // Maps of before compare with what says the same in words.
+    assert_string_equal(text_of("").c_str(), text_of("decode = \"full\"\n").c_str());
+    assert_string_equal(text_of("decode = \"reduced\"\n").c_str(),
+                        "320x240 BGR mean=123.675,116.28,0 std=58.395,57.12,0.1 "
+                        "resize=stretch/cubic decode=reduced l2=1");
+    assert_refused(with(whole, "resize =", "decode = \"half\"\nresize ="), "13",
+                   "'decode' is 'half'; expected: full, reduced");
+}
+
 static void a_network_is_fp32_and_an_original_unless_it_says_otherwise(void **)
 {
     const Folder folder;
@@ -352,6 +369,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(every_field_is_read),
         cmocka_unit_test(the_preprocessing_has_one_canonical_text),
+        cmocka_unit_test(pictures_are_decoded_in_full_unless_a_manifest_says_otherwise),
         cmocka_unit_test(a_network_is_fp32_and_an_original_unless_it_says_otherwise),
         cmocka_unit_test(an_embedding_has_one_canonical_definition),
         cmocka_unit_test(how_embeddings_are_stored_is_not_part_of_their_definition),

@@ -1,6 +1,8 @@
 // Decoding: every pixel format gives the picture, and bytes that are none are refused.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <string>
@@ -11,6 +13,8 @@
 #include <exif_block.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include <jpeglib.h> // after <cstdio>
 
 #include "failure.hpp"
 #include "noise.hpp"
@@ -393,6 +397,7 @@ static void no_picture_costs_an_allocation(void **)
                         decoder.decode({raw.data(), raw.size(), columns, rows, 0, format.fourcc}));
     picture::mean_grey(decoder.decode(image_of(jpeg, VDNA_PIXEL_MJPG)));
     picture::mean_grey(decoder.decode(image_of(turned, VDNA_PIXEL_MJPG)));
+    picture::mean_grey(decoder.decode(image_of(turned, VDNA_PIXEL_MJPG), {1, 1}));
     picture::mean_grey(decoder.decode(image_of(bright, VDNA_PIXEL_Y16)));
     assert_int_equal(allocations, before);
 }
@@ -485,6 +490,156 @@ static void a_jpeg_is_turned_as_its_exif_says_and_as_opencv_does(void **)
             assert_same(decoded_bgr(image_of(bytes, VDNA_PIXEL_MJPG)), expected);
             assert_same(decoded_bgr(image_of(bytes, VDNA_PIXEL_ENCODED)), expected);
         }
+}
+
+// The kinds of JPEG that differ in how they are decoded.
+struct Kind {
+    const char *name;
+    int channels;
+    int columns, rows; // that share a sample of chroma
+    bool progressive;
+};
+static const Kind kinds[] = {{"4:2:0", 3, 2, 2, false},
+                             {"4:2:2", 3, 2, 1, false},
+                             {"4:4:4", 3, 1, 1, false},
+                             {"grey", 1, 1, 1, false},
+                             {"progressive", 3, 2, 2, true}};
+
+// Blurred noise.
+static Bytes jpeg_of(const Kind &kind, int columns, int rows)
+{
+    Bytes pixels = noise(static_cast<size_t>(columns * rows * kind.channels));
+    cv::Mat picture(rows, columns, CV_8UC(kind.channels), pixels.data());
+    cv::blur(picture, picture, {3, 3});
+
+    jpeg_compress_struct jpeg{};
+    jpeg_error_mgr errors;
+    jpeg.err = jpeg_std_error(&errors);
+    jpeg_create_compress(&jpeg);
+    unsigned char *data = nullptr;
+    unsigned long size = 0;
+    jpeg_mem_dest(&jpeg, &data, &size);
+    jpeg.image_width = static_cast<JDIMENSION>(columns);
+    jpeg.image_height = static_cast<JDIMENSION>(rows);
+    jpeg.input_components = kind.channels;
+    jpeg.in_color_space = kind.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+    jpeg_set_defaults(&jpeg);
+    jpeg.comp_info[0].h_samp_factor = kind.columns;
+    jpeg.comp_info[0].v_samp_factor = kind.rows;
+    if (kind.progressive)
+        jpeg_simple_progression(&jpeg);
+    jpeg_start_compress(&jpeg, TRUE);
+    for (int y = 0; y < rows; y++) {
+        JSAMPROW row = picture.ptr(y);
+        jpeg_write_scanlines(&jpeg, &row, 1);
+    }
+    jpeg_finish_compress(&jpeg);
+    jpeg_destroy_compress(&jpeg);
+    Bytes bytes(data, data + size);
+    std::free(data);
+    return bytes;
+}
+
+// The size that a JPEG of `stored` pixels is decoded at.
+static picture::Size reduced_size(picture::Size stored, picture::Size least, uint8_t orientation)
+{
+    const Bytes jpeg = jpeg_with_exif(
+        jpeg_of(kinds[0], static_cast<int>(stored.width), static_cast<int>(stored.height)),
+        exif_block(orientation));
+    Decoder decoder(stored.width * stored.height);
+    const vdna_pixels pixels =
+        decoder.decode({jpeg.data(), jpeg.size(), 0, 0, 0, VDNA_PIXEL_MJPG}, least);
+    return picture::size_of(pixels);
+}
+
+static void a_reduced_jpeg_is_the_smallest_that_is_no_smaller_than_asked(void **)
+{
+    struct Case {
+        picture::Size stored, least, expected;
+        uint8_t orientation;
+    };
+    const Case cases[] = {
+        {{640, 480}, {224, 224}, {320, 240}, 1}, {{640, 480}, {320, 240}, {320, 240}, 1},
+        {{640, 480}, {321, 240}, {640, 480}, 1}, {{640, 480}, {320, 241}, {640, 480}, 1},
+        {{640, 480}, {160, 120}, {160, 120}, 1}, {{640, 480}, {80, 60}, {80, 60}, 1},
+        {{640, 480}, {1, 1}, {80, 60}, 1}, // an eighth is the least there is
+        {{640, 480}, {0, 0}, {80, 60}, 1},       {{320, 240}, {224, 224}, {320, 240}, 1},
+        {{100, 80}, {224, 224}, {100, 80}, 1},   {{61, 45}, {31, 23}, {31, 23}, 1}, // rounded up
+        {{61, 45}, {8, 6}, {8, 6}, 1},           {{3, 1}, {1, 1}, {1, 1}, 1},
+        {{64, 32}, {16, 32}, {16, 32}, 6}, // turned before it is compared
+    };
+    for (const Case &c : cases) {
+        const picture::Size found = reduced_size(c.stored, c.least, c.orientation);
+        if (found != c.expected)
+            fail_msg("%ux%u for %ux%u, turned as %d: decoded at %ux%u, expected %ux%u",
+                     c.stored.width, c.stored.height, c.least.width, c.least.height, c.orientation,
+                     found.width, found.height, c.expected.width, c.expected.height);
+    }
+}
+
+static void a_reduced_jpeg_is_turned_and_has_the_bits_of_opencvs(void **)
+{
+    struct Reduction {
+        uint32_t divisor;
+        int flag;
+    };
+    const Reduction reductions[] = {
+        {2, cv::IMREAD_REDUCED_COLOR_2},
+        {4, cv::IMREAD_REDUCED_COLOR_4},
+        {8, cv::IMREAD_REDUCED_COLOR_8},
+    };
+    constexpr uint32_t columns = 104, rows = 72;
+    for (const Kind &kind : kinds)
+        for (const Reduction &reduction : reductions)
+            for (uint8_t orientation = 1; orientation <= 8; orientation++) {
+                const Bytes jpeg =
+                    jpeg_with_exif(jpeg_of(kind, columns, rows), exif_block(orientation));
+                const cv::Mat expected = cv::imdecode(jpeg, reduction.flag);
+                Decoder decoder(columns * rows);
+                const picture::Size least = {static_cast<uint32_t>(expected.cols),
+                                             static_cast<uint32_t>(expected.rows)};
+                assert_int_equal(least.width * least.height * reduction.divisor * reduction.divisor,
+                                 columns * rows);
+                const vdna_pixels found =
+                    decoder.decode({jpeg.data(), jpeg.size(), 0, 0, 0, VDNA_PIXEL_MJPG}, least);
+                assert_true(picture::size_of(found) == least);
+                for (int y = 0; y < expected.rows; y++)
+                    if (std::memcmp(found.data + static_cast<size_t>(y) * found.stride,
+                                    expected.ptr(y), size_t{3} * least.width) != 0)
+                        fail_msg("%s, a %uth, turned as %d: row %d is not what OpenCV gives",
+                                 kind.name, reduction.divisor, orientation, y);
+            }
+}
+
+static void what_is_refused_in_full_is_refused_reduced(void **)
+{
+    const Bytes whole = jpeg_of(kinds[0], 104, 72);
+    const auto refused = [](const Bytes &jpeg, vdna_status status, uint32_t max_pixels) {
+        Decoder decoder(max_pixels);
+        try {
+            decoder.decode({jpeg.data(), jpeg.size(), 0, 0, 0, VDNA_PIXEL_MJPG}, {1, 1});
+        } catch (const vdna::fail::Failure &failure) {
+            return failure.status() == status;
+        }
+        return false;
+    };
+    assert_false(refused(whole, VDNA_ERR_FORMAT, 104 * 72));
+    // The limit is that of the picture as it is stored.
+    assert_true(refused(whole, VDNA_ERR_UNSUPPORTED, 104 * 72 - 1));
+    for (const size_t size : {whole.size() / 2, whole.size() - 40, whole.size() - 2})
+        assert_true(refused(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)),
+                            VDNA_ERR_FORMAT, 104 * 72));
+}
+
+static void raw_pictures_are_never_reduced(void **)
+{
+    for (const Trial &trial : trials) {
+        const Bytes bytes = trial.make_bytes(0);
+        Decoder decoder(width * height);
+        const vdna_pixels pixels = decoder.decode(image_of(bytes, trial.fourcc), {1, 1});
+        assert_int_equal(pixels.width, width);
+        assert_int_equal(pixels.height, height);
+    }
 }
 
 static void a_damaged_exif_block_leaves_a_jpeg_as_it_is(void **)
@@ -682,6 +837,10 @@ int main()
         cmocka_unit_test(a_jpeg_that_claims_a_huge_picture_is_refused_unread),
         cmocka_unit_test(a_jpeg_is_turned_as_its_exif_says_and_as_opencv_does),
         cmocka_unit_test(a_damaged_exif_block_leaves_a_jpeg_as_it_is),
+        cmocka_unit_test(a_reduced_jpeg_is_the_smallest_that_is_no_smaller_than_asked),
+        cmocka_unit_test(a_reduced_jpeg_is_turned_and_has_the_bits_of_opencvs),
+        cmocka_unit_test(what_is_refused_in_full_is_refused_reduced),
+        cmocka_unit_test(raw_pictures_are_never_reduced),
         cmocka_unit_test(a_jpeg_in_cmyk_is_refused_by_name),
         cmocka_unit_test(grey_of_10_to_16_bits_is_scaled_by_its_bits),
         cmocka_unit_test(a_value_of_more_bits_than_its_format_has_is_refused),

@@ -27,6 +27,20 @@ static void pixels_in_a_format_of_ours_are_borrowed_from_the_image(void **state)
     vdna_decoder_close(decoder);
 }
 
+static void a_reduced_picture_in_a_raw_format_is_the_same(void **state)
+{
+    (void)state;
+    vdna_decoder *decoder = NULL;
+    vdna_pixels pixels, reduced;
+    memset(&pixels, 0, sizeof pixels);
+    memset(&reduced, 0, sizeof reduced);
+    assert_int_equal(vdna_decoder_open(2, NULL, &decoder), VDNA_OK);
+    assert_int_equal(vdna_decoder_decode(decoder, &small, NULL, &pixels), VDNA_OK);
+    assert_int_equal(vdna_decoder_decode_reduced(decoder, &small, 1, 1, NULL, &reduced), VDNA_OK);
+    assert_memory_equal(&pixels, &reduced, sizeof pixels);
+    vdna_decoder_close(decoder);
+}
+
 static void what_cannot_be_decoded_leaves_the_pixels_and_fills_the_error(void **state)
 {
     (void)state;
@@ -41,6 +55,8 @@ static void what_cannot_be_decoded_leaves_the_pixels_and_fills_the_error(void **
     vdna_image cut = small;
     cut.width = 1;
     cut.size = 2;
+    assert_int_equal(vdna_decoder_decode_reduced(decoder, &cut, 1, 1, NULL, &pixels),
+                     VDNA_ERR_FORMAT);
     assert_int_equal(vdna_decoder_decode(decoder, &cut, &error, &pixels), VDNA_ERR_FORMAT);
     assert_non_null(strstr(error.text, "expected at least 3 bytes"));
     assert_memory_equal(&pixels, &before, sizeof pixels);
@@ -63,6 +79,9 @@ static void arguments_out_of_range_are_refused(void **state)
     assert_int_equal(vdna_decoder_decode(NULL, &small, NULL, &pixels), VDNA_ERR_ARG);
     assert_int_equal(vdna_decoder_decode(decoder, NULL, NULL, &pixels), VDNA_ERR_ARG);
     assert_int_equal(vdna_decoder_decode(decoder, &small, NULL, NULL), VDNA_ERR_ARG);
+    assert_int_equal(vdna_decoder_decode_reduced(NULL, &small, 1, 1, NULL, &pixels), VDNA_ERR_ARG);
+    assert_int_equal(vdna_decoder_decode_reduced(decoder, NULL, 1, 1, NULL, &pixels), VDNA_ERR_ARG);
+    assert_int_equal(vdna_decoder_decode_reduced(decoder, &small, 1, 1, NULL, NULL), VDNA_ERR_ARG);
     vdna_decoder_close(decoder);
     vdna_decoder_close(NULL);
     assert_true(vdna_pixels_mean_grey(NULL) == 0.0f);
@@ -84,6 +103,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_in_a_format_of_ours_are_borrowed_from_the_image),
+        cmocka_unit_test(a_reduced_picture_in_a_raw_format_is_the_same),
         cmocka_unit_test(what_cannot_be_decoded_leaves_the_pixels_and_fills_the_error),
         cmocka_unit_test(arguments_out_of_range_are_refused),
         cmocka_unit_test(the_bound_of_memory_grows_by_nine_bytes_a_pixel),
