@@ -1,5 +1,5 @@
-// vdna model - compares two precisions of a network, writes the inputs of a network, and prints the
-// golden numbers for its manifest.
+// vdna model - compares two precisions of a network or two preparations of its input, writes the
+// inputs of a network, and prints the golden numbers for its manifest.
 #include <algorithm>
 #include <cstring>
 
@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 constexpr size_t timed_pictures = 50;
 
 struct CheckOptions {
-    std::array<std::string, 2> manifests; // the original, and another precision
+    std::array<std::string, 2> manifests; // the original, and its other precision or preparation
     std::string pictures;
     uint32_t threads = VDNA_BACKBONE_THREADS_DEFAULT;
     std::string cache;
@@ -65,14 +65,20 @@ struct CheckResult {
 void require_one_network(const vdna_backbone_info &a, const vdna_backbone_info &b)
 {
     const std::string names = std::string(a.identity.backbone) + " and " + b.identity.backbone;
-    const char *const expected = "; expected two precisions of one network";
-    // Their models differ, so compare everything else.
+    const char *const expected = "; expected two precisions of one network, or one model whose "
+                                 "input is prepared in two ways";
+    const bool one_model = std::strcmp(a.identity.model_sha256, b.identity.model_sha256) == 0;
+    // Either their models or their preprocessing differ, so compare everything else.
     vdna_identity as_a = b.identity;
-    std::memcpy(as_a.model_sha256, a.identity.model_sha256, sizeof as_a.model_sha256);
+    if (one_model)
+        std::memcpy(as_a.preprocessing, a.identity.preprocessing, sizeof as_a.preprocessing);
+    else
+        std::memcpy(as_a.model_sha256, a.identity.model_sha256, sizeof as_a.model_sha256);
     vdna_error why{};
     if (vdna_identity_compare(&a.identity, &as_a, &why) != VDNA_OK)
         throw Error(names + " do not compare: " + why.text + expected);
-    if (b.quantised_from[0] != '\0' && std::strcmp(b.quantised_from, a.identity.model_sha256) != 0)
+    if (!one_model && b.quantised_from[0] != '\0' &&
+        std::strcmp(b.quantised_from, a.identity.model_sha256) != 0)
         throw Error(names + " do not compare: model_sha256 of the first is " +
                     a.identity.model_sha256 + ", the original is " + b.quantised_from +
                     " for the second" + expected);
@@ -200,14 +206,21 @@ void print_both(program::TextTable &table, const std::string &what, double a, do
     table.add_row({what, program::fixed(a, digits), program::fixed(b, digits)});
 }
 
+// What the columns of both networks are called.
+std::array<std::string, 2> titles_of(const std::array<Side, 2> &sides)
+{
+    const std::string a = sides[0].backbone.info().identity.precision,
+                      b = sides[1].backbone.info().identity.precision;
+    return a != b ? std::array<std::string, 2>{a, b}
+                  : std::array<std::string, 2>{"first", "second"};
+}
+
 void print_queries(const std::array<Side, 2> &sides, const eval::RankingChange &ranking)
 {
     const std::vector<eval::Traversal> &traversals = sides[0].frames->traversals();
-    const vdna_identity &a = sides[0].backbone.info().identity,
-                        &b = sides[1].backbone.info().identity;
+    const auto [a, b] = titles_of(sides);
     program::TextTable table;
-    table.add_row({"query", "swaps", std::string("first choice, ") + a.precision, b.precision,
-                   std::string("its recall/%, ") + a.precision, b.precision});
+    table.add_row({"query", "swaps", "first choice, " + a, b, "its recall/%, " + a, b});
     for (const eval::QueryChange &query : ranking.queries)
         table.add_row({traversals[query.traversal].name, std::to_string(query.swaps),
                        traversals[query.first[0]].name, traversals[query.first[1]].name,
@@ -239,7 +252,8 @@ void print_text(const std::array<Side, 2> &sides, const CheckResult &result)
     std::cout << changes.text() << '\n';
 
     program::TextTable both;
-    both.add_row({"", a.precision, b.precision});
+    const auto [title_a, title_b] = titles_of(sides);
+    both.add_row({"", title_a, title_b});
     print_both(both, "inference/ms, median", result.latency.ms[0], result.latency.ms[1], 2);
     both.add_row({"  ratio", "1", program::fixed(result.latency.ratio, 2)});
     if (result.ranking) {
@@ -299,15 +313,18 @@ void print_golden(const NetworkOptions &o)
 
 void add_check(CLI::App &app)
 {
-    CLI::App *command =
-        app.add_subcommand("check", "Compare a network with one of another precision on pictures");
+    CLI::App *command = app.add_subcommand(
+        "check", "Compare a network on pictures with one of another precision, or "
+                 "one model with input prepared in another way");
     const auto o = std::make_shared<CheckOptions>();
     command
         ->add_option("FP32", o->manifests[0],
                      "network: name of a manifest, or path of a .toml or a .so")
         ->type_name("NETWORK|PATH")
         ->required();
-    command->add_option("INT8", o->manifests[1], "the same network in another precision")
+    command
+        ->add_option("INT8", o->manifests[1],
+                     "the same network in another precision, or with other keys in [input]")
         ->type_name("NETWORK|PATH")
         ->required();
     command
@@ -325,7 +342,8 @@ void add_check(CLI::App &app)
     command->add_flag("--json", o->json, "report as JSON");
     command->footer(
         "Each network is evaluated on its own maps, as in real use: Visual DNA of different "
-        "precisions never compares. Inference times alternate between both networks on "
+        "precisions or preprocessing never compares. Inference times alternate between both "
+        "networks on "
         "the same pictures.\n\n"
         "Examples:\n"
         "  vdna model check efficientnet_lite0 my/efficientnet_lite0_int8.toml runs/");
@@ -378,8 +396,8 @@ void add_model(CLI::App &app)
 {
     CLI::App *command = app.add_subcommand(
         "model",
-        "Compare a network with one of another precision, prepare pictures for networks, and "
-        "print known numbers");
+        "Compare a network with one of another precision or preprocessing, prepare pictures for "
+        "networks, and print known numbers");
     command->require_subcommand(1);
     command->footer("Examples:\n"
                     "  vdna model check efficientnet_lite0 my/efficientnet_lite0_int8.toml runs/");

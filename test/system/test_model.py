@@ -217,6 +217,20 @@ class Check(unittest.TestCase):
         self.assertNotIn("queries", found)
         self.assertGreater(found["inference_ratio"], 0)
 
+    def test_one_model_may_have_its_input_prepared_in_two_ways(self):
+        reduced, large = FOLDER / "reduced.toml", FOLDER / "large"
+        text = (MODELS / f"{NAME}.toml").read_text().replace('model = "', f'model = "{MODELS}/')
+        text = re.sub("^decode = .*\n", "", text, flags=re.M)
+        reduced.write_text(text.replace("[input]\n", '[input]\ndecode = "reduced"\n'))
+        vdna("simulate", large, "--size", "640x480", "--frames", 3)
+        change = check(NAME, reduced, large)["embedding_l2_percent"]
+        self.assertTrue(0 < change["median"] < EMBEDDING_CHANGE_MAX, change)
+        # 320x240 is too small to be decoded at a half.
+        self.assertEqual(check(NAME, reduced)["embedding_l2_percent"], {"median": 0, "max": 0})
+        done = run(BIN / "vdna", "rank", large, MAP, "--backbone", reduced)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("decode=reduced", done.stderr)
+
     def test_other_networks_are_refused(self):
         stale = stand_in("stale", "fp32", '[quantised]\nmethod = "by hand"\nfrom_sha256 = "' +
                          64 * "0" + '"\n')
