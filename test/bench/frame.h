@@ -7,6 +7,10 @@
 #include <vdna/health.h>
 #include <vdna/picture.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Open the network of a manifest; as vdna_backbone_open(). */
 VDNA_API vdna_status bench_backbone_open(const char *manifest, uint32_t threads, vdna_error *error,
                                          vdna_backbone **out_backbone);
@@ -23,7 +27,23 @@ VDNA_API vdna_status bench_decoder_open(vdna_decoder **out_decoder);
 /** Decode a JPEG. */
 VDNA_API vdna_status bench_decode(vdna_decoder *decoder, const uint8_t *data, size_t size);
 
+/** Decodes, resizes and normalises one JPEG after the other. */
+typedef struct bench_preparation bench_preparation;
+
+/** Prepare pictures for a network whose input has sides of `side` pixels, by area.
+ *  @param reduced  1 = decode no larger than needed, 0 = in full
+ *  @return never closed; NULL if memory is short */
+VDNA_API bench_preparation *bench_preparation_open(uint32_t side, uint32_t reduced);
+
+/** Prepare a JPEG. */
+VDNA_API vdna_status bench_prepare(bench_preparation *preparation, const uint8_t *data,
+                                   size_t size);
+
 /** Measure and judge a picture of packed RGB by itself. */
 VDNA_API vdna_status bench_health(const uint8_t *rgb, uint32_t width, uint32_t height);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

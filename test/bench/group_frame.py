@@ -1,5 +1,6 @@
-"""One picture through lib/backbone, in this process: the time on top of the inference, and what of it
-frame health takes."""
+"""One picture through lib/backbone, in this process: the time on top of the inference, what of it
+frame health takes, and what decoding a JPEG no larger than needed saves."""
+import io
 import re
 import statistics
 import time
@@ -21,6 +22,8 @@ def run(context):
     manifest = context.scene.manifest(NETWORK)
     yield whole(context, manifest, "JPEG 640x480", (jpeg,))
     yield whole(context, manifest, "raw 640x480", (noise(640, 480).tobytes(), 640, 480, RGB3))
+    for width, height in (640, 480), (1920, 1080):
+        yield reduced(context, width, height)
     for width, height in (224, 224), (640, 480):
         yield health(context, width, height)
     for width, height in [(640, 480)] if context.quick else [(640, 480), (1280, 720)]:
@@ -51,6 +54,36 @@ def whole(context, manifest, name, picture):
     stages = {f"{stage}_ms": statistics.median(frame[i] for frame in used)
               for i, stage in ((1, "decode"), (2, "resize"), (3, "inference"))}
     return f"frame {name}", "ms", 1e3, summary([frame[:1] for frame in used], used, []), stages
+
+
+def reduced(context, width, height):
+    """Decoding a JPEG no larger than needed and resizing it, beside decoding it in full."""
+    jpeg = context.scene.pictures(3, f"{width}x{height}")[0].read_bytes()
+    ours, full = (context.library.preparation(SIDE, how) for how in (True, False))
+    peers = {"decoding in full": lambda: full(jpeg), **reducers(context, jpeg)}
+    timed = compare(lambda: ours(jpeg), peers, context.seconds)
+    return f"JPEG {width}x{height} reduced", "ms", 1e3, timed, {}
+
+
+def reducers(context, jpeg):
+    """Other libraries that do so."""
+    works = {}
+    if context.peers.pillow:
+        image = context.peers.pillow
+
+        def drafted():
+            picture = image.open(io.BytesIO(jpeg))
+            picture.draft("RGB", (SIDE, SIDE))
+            return picture.resize((SIDE, SIDE), image.Resampling.BOX)
+        works["Pillow's draft and resize"] = drafted
+    if context.peers.cv2:
+        cv2, data = context.peers.cv2, np.frombuffer(jpeg, np.uint8)
+        cv2.setNumThreads(1)
+        shorter = min(cv2.imdecode(data, cv2.IMREAD_COLOR).shape[:2])
+        flag = cv2.IMREAD_REDUCED_COLOR_4 if shorter >= 4 * SIDE else cv2.IMREAD_REDUCED_COLOR_2
+        works["OpenCV's IMREAD_REDUCED and resize"] = lambda: cv2.resize(
+            cv2.imdecode(data, flag), (SIDE, SIDE), interpolation=cv2.INTER_AREA)
+    return works
 
 
 def health(context, width, height):

@@ -73,6 +73,14 @@ class Library:
         self._require(bench.bench_decoder_open(byref(decoder)))
         return lambda jpeg: self._require(bench.bench_decode(decoder, jpeg, c_size_t(len(jpeg))))
 
+    def preparation(self, side, reduced):
+        """A function that makes the input of a network, side x side, of the bytes of a JPEG."""
+        bench = self._bench
+        bench.bench_preparation_open.restype = c_void_p
+        preparation = c_void_p(bench.bench_preparation_open(c_uint32(side), c_uint32(reduced)))
+        return lambda jpeg: self._require(bench.bench_prepare(preparation, jpeg,
+                                                              c_size_t(len(jpeg))))
+
     def health(self, rgb, width, height):
         """Measure and judge a picture, bytes of packed RGB."""
         self._require(self._bench.bench_health(rgb, c_uint32(width), c_uint32(height)))

@@ -32,6 +32,7 @@ class Peers:
         self.scipy_linalg = imported("scipy.linalg")
         self.package = imported("vdna.utils.stats")
         self.cv2 = imported("cv2")
+        self.pillow = imported("PIL.Image")
         if self.torch:
             self.torch.set_num_threads(1)
         if self.faiss:
