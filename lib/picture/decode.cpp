@@ -127,6 +127,23 @@ void require_jpeg(const vdna_image &image)
         "it first and hand over its pixels as BGR3");
 }
 
+// The size of a stored picture after its turn.
+Size upright(uint32_t orientation, Size stored)
+{
+    const vdna_turn turn = vdna_turn_of(orientation, stored.width, stored.height);
+    return {turn.width, turn.height};
+}
+
+// By how much both sides can be divided without getting below `least`.
+uint32_t divisor_for(Size picture, Size least)
+{
+    uint32_t divisor = 8;
+    while (divisor > 1 && (vdna_jpeg_reduced(picture.width, divisor) < least.width ||
+                           vdna_jpeg_reduced(picture.height, divisor) < least.height))
+        divisor /= 2;
+    return divisor;
+}
+
 } // namespace
 
 Decoder::Decoder(uint32_t max_pixels)
@@ -148,15 +165,15 @@ uint64_t Decoder::bytes_max(uint32_t max_pixels)
            row_bytes;
 }
 
-vdna_pixels Decoder::decode(const vdna_image &image)
+vdna_pixels Decoder::decode(const vdna_image &image, Size least)
 {
     if (!image.data || image.size == 0)
         throw fail::Failure(VDNA_ERR_FORMAT, "picture: has no bytes");
     if (image.pixelformat == VDNA_PIXEL_ENCODED)
-        return encoded(image);
+        return encoded(image, least);
     const PixelFormat &format = format_of(image.pixelformat);
     if (format.arrangement == Arrangement::jpeg)
-        return encoded(image);
+        return encoded(image, least);
     if (format.arrangement == Arrangement::packed)
         return packed(image, format);
     if (format.arrangement == Arrangement::words)
@@ -202,7 +219,7 @@ vdna_pixels Decoder::words(const vdna_image &image, const PixelFormat &format)
     return {bgr_.get(), image.width, image.width, image.height, 1, {0, 0, 0}};
 }
 
-vdna_pixels Decoder::encoded(const vdna_image &image)
+vdna_pixels Decoder::encoded(const vdna_image &image, Size least)
 {
     require_jpeg(image);
     char reason[VDNA_JPEG_REASON_MAX];
@@ -213,9 +230,12 @@ vdna_pixels Decoder::encoded(const vdna_image &image)
     if (stored.channels == 4)
         throw fail::Failure(VDNA_ERR_UNSUPPORTED, "JPEG picture: its colours are CMYK, inks of "
                                                   "print; convert it to RGB");
-    const vdna_turn turn =
-        vdna_turn_of(vdna_jpeg_orientation(image.data, image.size), stored.width, stored.height);
-    if (!vdna_jpeg_decode(image.data, image.size, &turn, row_.get(), bgr_.get(), reason))
+    const uint32_t orientation = vdna_jpeg_orientation(image.data, image.size);
+    const uint32_t divisor =
+        divisor_for(upright(orientation, {stored.width, stored.height}), least);
+    const vdna_turn turn = vdna_turn_of(orientation, vdna_jpeg_reduced(stored.width, divisor),
+                                        vdna_jpeg_reduced(stored.height, divisor));
+    if (!vdna_jpeg_decode(image.data, image.size, divisor, &turn, row_.get(), bgr_.get(), reason))
         throw fail::Failure(VDNA_ERR_FORMAT, std::string("JPEG picture: ") + reason);
     return own_bgr(turn.width, turn.height);
 }

@@ -5,6 +5,8 @@
 
 #include <vdna/picture.h>
 
+#include "resample.hpp"
+
 namespace vdna::picture
 {
 
@@ -20,12 +22,15 @@ class Decoder
     // see vdna_decoder_bytes_max()
     static uint64_t bytes_max(uint32_t max_pixels);
 
-    // see vdna_decoder_decode(). Throws Failure.
-    vdna_pixels decode(const vdna_image &image);
+    // No reduced picture is that large.
+    static constexpr Size whole = {UINT32_MAX, UINT32_MAX};
+
+    // see vdna_decoder_decode() and vdna_decoder_decode_reduced(). Throws Failure.
+    vdna_pixels decode(const vdna_image &image, Size least = whole);
 
   private:
     vdna_pixels packed(const vdna_image &image, const PixelFormat &format) const;
-    vdna_pixels encoded(const vdna_image &image);
+    vdna_pixels encoded(const vdna_image &image, Size least);
     vdna_pixels yuv422(const vdna_image &image, const PixelFormat &format);
     vdna_pixels yuv420(const vdna_image &image, const PixelFormat &format);
     vdna_pixels words(const vdna_image &image, const PixelFormat &format);

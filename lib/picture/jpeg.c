@@ -19,6 +19,7 @@ typedef struct jpeg_reader {
     char *reason;
     const uint8_t *data;
     size_t size;
+    uint32_t divisor;
     const vdna_turn *turn;
     uint8_t *row;
     uint8_t *out_bgr;
@@ -67,6 +68,8 @@ static void read_picture(jpeg_reader *reader)
     const vdna_turn *turn = reader->turn;
     read_header(reader);
     jpeg->out_color_space = JCS_EXT_BGR;
+    jpeg->scale_num = 1;
+    jpeg->scale_denom = reader->divisor;
     jpeg_start_decompress(jpeg);
     while (jpeg->output_scanline < jpeg->output_height) {
         const size_t y = jpeg->output_scanline;
@@ -117,10 +120,15 @@ int vdna_jpeg_shape_of(const uint8_t *data, size_t size, vdna_jpeg_shape *out_sh
 }
 
 /* see jpeg.h */
-int vdna_jpeg_decode(const uint8_t *data, size_t size, const vdna_turn *turn, uint8_t *row,
-                     uint8_t *out_bgr, char *reason)
+int vdna_jpeg_decode(const uint8_t *data, size_t size, uint32_t divisor, const vdna_turn *turn,
+                     uint8_t *row, uint8_t *out_bgr, char *reason)
 {
-    jpeg_reader reader = {
-        .reason = reason, .data = data, .size = size, .turn = turn, .row = row, .out_bgr = out_bgr};
+    jpeg_reader reader = {.reason = reason,
+                          .data = data,
+                          .size = size,
+                          .divisor = divisor,
+                          .turn = turn,
+                          .row = row,
+                          .out_bgr = out_bgr};
     return attempt(&reader, read_picture);
 }

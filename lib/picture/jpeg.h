@@ -27,12 +27,20 @@ typedef struct vdna_jpeg_shape {
 /* Read the shape from the header. Returns 1, or 0 with `reason` filled. */
 int vdna_jpeg_shape_of(const uint8_t *data, size_t size, vdna_jpeg_shape *out_shape, char *reason);
 
+/* A side of a picture that is decoded smaller.
+ * divisor: 1, 2, 4 or 8 */
+static inline uint32_t vdna_jpeg_reduced(uint32_t side, uint32_t divisor)
+{
+    return side / divisor + (side % divisor != 0);
+}
+
 /* Decode into `out_bgr`, packed rows of the picture as `turn` makes it, which was made for the
- * size that vdna_jpeg_shape_of() read from the same bytes.
- * row: room for one row as it is stored; used only if `turn` does not keep rows
- * Returns 1, or 0 with `reason` filled. */
-int vdna_jpeg_decode(const uint8_t *data, size_t size, const vdna_turn *turn, uint8_t *row,
-                     uint8_t *out_bgr, char *reason);
+ * size that vdna_jpeg_shape_of() read from the same bytes, its sides reduced by `divisor`.
+ * divisor: 1, 2, 4 or 8; beyond 1, blocks of 8x8 pixels become smaller ones of their low
+ * frequencies row: room for one row as it is stored, reduced; used only if `turn` does not keep
+ * rows Returns 1, or 0 with `reason` filled. */
+int vdna_jpeg_decode(const uint8_t *data, size_t size, uint32_t divisor, const vdna_turn *turn,
+                     uint8_t *row, uint8_t *out_bgr, char *reason);
 
 #ifdef __cplusplus
 }

@@ -46,6 +46,19 @@ vdna_status vdna_decoder_decode(vdna_decoder *decoder, const vdna_image *image, 
 }
 
 /* see vdna/picture.h */
+vdna_status vdna_decoder_decode_reduced(vdna_decoder *decoder, const vdna_image *image,
+                                        uint32_t least_width, uint32_t least_height,
+                                        vdna_error *error, vdna_pixels *out_pixels)
+{
+    if (!decoder || !image || !out_pixels)
+        return vdna_fail(
+            error, VDNA_ERR_ARG,
+            "vdna_decoder_decode_reduced: a decoder, an image and pixels are expected");
+    return fail::guarded(
+        error, [&] { *out_pixels = decoder->decoder.decode(*image, {least_width, least_height}); });
+}
+
+/* see vdna/picture.h */
 float vdna_pixels_mean_grey(const vdna_pixels *pixels)
 {
     return pixels ? picture::mean_grey(*pixels) : 0.0f;

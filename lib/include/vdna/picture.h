@@ -63,6 +63,22 @@ VDNA_API uint64_t vdna_decoder_bytes_max(uint32_t max_pixels);
 VDNA_API vdna_status vdna_decoder_decode(vdna_decoder *decoder, const vdna_image *image,
                                          vdna_error *error, vdna_pixels *out_pixels);
 
+/** Decode one picture that will be resized. A JPEG picture is decoded with its sides divided by the
+ *  greatest of 8, 4, 2 and 1 that leaves both at least as long as asked, rounded up: its blocks of
+ *  8x8 pixels are made from their low frequencies only, which takes less time and gives slightly
+ *  other pixels than resizing all of them. All else is as with vdna_decoder_decode(), limits and
+ *  memory included, and so are other formats.
+ *  @param decoder  an open one
+ *  @param image  as for vdna_decoder_decode()
+ *  @param least_width  of the picture after its turn, pixels
+ *  @param least_height  of the picture after its turn, pixels
+ *  @param error  filled on failure; NULL = not wanted
+ *  @param out_pixels  as from vdna_decoder_decode()
+ *  @return as vdna_decoder_decode() */
+VDNA_API vdna_status vdna_decoder_decode_reduced(vdna_decoder *decoder, const vdna_image *image,
+                                                 uint32_t least_width, uint32_t least_height,
+                                                 vdna_error *error, vdna_pixels *out_pixels);
+
 /** Mean grey level of a whole picture (BT.601).
  *  @param pixels  as vdna_decoder_decode() fills them
  *  @return 0..255; 0 for NULL */
