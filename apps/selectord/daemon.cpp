@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cinttypes>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -68,9 +69,13 @@ Daemon::Daemon(const Config &config, OpenedMap map, const Backbone &backbone,
       message_size_max_(
           std::max({ranking_growth * session_->ranking().encoded_size(), message_size_min}) +
           other_messages_size_max),
-      waiting_(config, is_replay_), standby_(process_id_.instance, program::wall_us())
+      waiting_(config, is_replay_), rate_limit_(config.max_rate_hz), stride_(config.every_m),
+      standby_(process_id_.instance, program::wall_us())
 {
     vdna_health_init(&health_, nullptr); // cannot fail: the defaults are valid
+    vdna_parked_init(&parked_, static_cast<uint32_t>(std::lround(100 * config.parked)));
+    if (config.parked > 0 && !process_)
+        glance_.emplace(config.max_image_pixels);
     keep_to_settings();
 }
 
@@ -189,7 +194,8 @@ Facts Daemon::facts(vdna_transport *transport) const
     facts.overheard = vdna_transport_overheard_channels(transport, &facts.overheard_count);
     facts.selected = vdna_select_has_choice(session_->select()) != 0;
     facts.progress = vdna_select_progress(session_->select());
-    facts.accepted = counts.accepted;
+    facts.accepted = counts.accepted + parked_frames_ + carried_;
+    facts.parked = parked_frames_;
     facts.refused = refused_;
     facts.late = counts.late;
     facts.still = vdna_select_time(session_->select())->still;
@@ -228,6 +234,7 @@ void Daemon::forget()
     vdna_select_reset(session_->select());
     vdna_health_init(&health_, nullptr);
     degraded_[0] = '\0';
+    newest_.reset();
 }
 
 // One that stands by does the same, so that it would take over with the same choice, and is silent.
@@ -275,6 +282,7 @@ Outcome Daemon::change_choice(vdna_transport *transport, const vdna_transport_co
         return ranking ? ranking->candidate : VDNA_SELECT_NONE;
     };
     const uint32_t recommended = first(), chosen = vdna_select_chosen(select);
+    newest_.reset();
     Outcome outcome = carry_out(*session_, command);
     const bool is_changed = recommended != first() || chosen != vdna_select_chosen(select);
     if (first() != VDNA_SELECT_NONE && is_changed) {
@@ -320,6 +328,7 @@ void Daemon::go_on_reloading(vdna_transport *transport, const ServiceManager &ma
 
 Outcome Daemon::end_reload(std::unique_ptr<MapSession> next)
 {
+    newest_.reset();
     next->count_on_from(*session_);
     const std::string lost = carry_over(*session_, *next);
     session_ = std::move(next);
@@ -341,9 +350,19 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
         unanswered_++;
         return;
     }
+    if (!rate_limit_.takes(time_of(frame))) {
+        over_rate_++;
+        unanswered_++;
+        return;
+    }
     if (session_->fault()[0] != '\0')
         return send(transport, frame,
                     refuse(frame, session_->fault(), VDNA_MSG_LOCALISATION_T_FAULT));
+    if (newest_ && frame.utime > newest_stamp_ && stride_.is_near(time_of(frame)))
+        return repeat(transport, frame, VDNA_MSG_LOCALISATION_T_CARRIED);
+    bool looked = false;
+    if (is_parked(frame, looked))
+        return repeat(transport, frame, VDNA_MSG_LOCALISATION_T_PARKED);
 
     const int64_t begin_us = program::monotonic_us();
     vdna_backbone_frame seen;
@@ -355,6 +374,7 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     network_answers_ += has_replied(status);
     network_failed_ = is_at_fault(status);
 
+    newest_.reset();
     Stopwatch watch;
     std::optional<vdna_msg_localisation_t> answer =
         status == VDNA_OK ? use(transport, frame, seen, watch) : refuse(frame, error.text);
@@ -366,6 +386,7 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
         return send(transport, frame, *answer);
     note_used(*answer);
     mark_degraded(*answer);
+    remember(*answer, frame, looked);
     send(transport, frame, *answer);
 
     stages_.queue.add(begin_us - frame.received_us);
@@ -374,6 +395,63 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     stages_.inference.add(seen.inference_us);
     stages_.publish.add(watch.lap_us());
     stages_.total.add(program::monotonic_us() - frame.received_us);
+}
+
+// Of a log, which is read at any speed, its camera's.
+int64_t Daemon::time_of(const vdna_transport_frame &frame) const
+{
+    return is_replay_ ? frame.utime : frame.received_us;
+}
+
+// Only where the place filter says that the robot stands: while it drives, a look costs something
+// and tells nothing. A warmup counts what it is shown, unless it is to have distinct pictures only.
+bool Daemon::looks()
+{
+    if (config_.parked == 0 || !newest_ || degraded_[0] != '\0')
+        return false;
+    if (vdna_select_state(session_->select()) == VDNA_SELECT_WARMUP)
+        return config_.warmup_distinct;
+    return !vdna_select_where(session_->select()) || !newest_->moving;
+}
+
+// Frames that do not move camera time forward go the whole way, where they are judged.
+bool Daemon::is_parked(const vdna_transport_frame &frame, bool &out_looked)
+{
+    if (!looks() || frame.utime <= newest_stamp_)
+        return false;
+    vdna_parked_picture picture;
+    out_looked = glance_ ? glance_->look(frame.image, picture)
+                         : process_ && process_->look(frame.image, picture);
+    return out_looked && vdna_parked_look(&parked_, &picture);
+}
+
+void Daemon::repeat(vdna_transport *transport, const vdna_transport_frame &frame, int32_t basis)
+{
+    const bool is_parked = basis == VDNA_MSG_LOCALISATION_T_PARKED;
+    (is_parked ? parked_frames_ : carried_)++;
+    newest_stamp_ = frame.utime;
+    localised_ += newest_->frame >= 0;
+    vdna_msg_localisation_t answer = *newest_;
+    answer.utime = frame.utime;
+    answer.basis = basis;
+    if (is_parked)
+        answer.moving = 0;
+    note_used(answer);
+    send(transport, frame, answer);
+}
+
+void Daemon::remember(const vdna_msg_localisation_t &answer, const vdna_transport_frame &frame,
+                      bool looked)
+{
+    newest_ = answer;
+    newest_stamp_ = frame.utime;
+    looked ? vdna_parked_keep(&parked_) : vdna_parked_forget(&parked_);
+    const vdna_select_position *const where = vdna_select_where(session_->select());
+    if (where && answer.validity == VDNA_MSG_LOCALISATION_T_VALID)
+        stride_.note(session_->experiences()[where->candidate], where->candidate,
+                     where->answer.frame, time_of(frame));
+    else
+        stride_.forget();
 }
 
 // A log waits for us, and is to give the same answers again.
@@ -563,6 +641,9 @@ void Daemon::publish_status(vdna_transport *transport)
                           refused_,
                           unusable_,
                           stood_by_,
+                          parked_frames_,
+                          carried_,
+                          over_rate_,
                           window_frames_max_,
                           resident(),
                           problem()};
