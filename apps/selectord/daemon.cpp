@@ -50,6 +50,9 @@ const char *sentence_of(uint32_t verdict)
     }
 }
 
+// Looks in a row that show something new before the robot drives, and how seldom it is looked then.
+constexpr uint32_t misses_of_a_stand = 3, driving_frames_a_look = 4;
+
 constexpr const char *is_lost = "the places jump as on another route";
 
 // Whether the frame went into the selection.
@@ -403,26 +406,34 @@ int64_t Daemon::time_of(const vdna_transport_frame &frame) const
     return is_replay_ ? frame.utime : frame.received_us;
 }
 
-// Only where the place filter says that the robot stands: while it drives, a look costs something
-// and tells nothing. A warmup counts what it is shown, unless it is to have distinct pictures only.
-bool Daemon::looks()
+// A warmup counts what it is shown, unless it is to have distinct pictures only. Frames that do not
+// move camera time forward go the whole way, where they are judged.
+bool Daemon::may_be_parked() const
 {
-    if (config_.parked == 0 || !newest_ || degraded_[0] != '\0')
-        return false;
-    if (vdna_select_state(session_->select()) == VDNA_SELECT_WARMUP)
-        return config_.warmup_distinct;
-    return !vdna_select_where(session_->select()) || !newest_->moving;
+    const bool warms_up = vdna_select_state(session_->select()) == VDNA_SELECT_WARMUP;
+    return config_.parked > 0 && newest_ && degraded_[0] == '\0' &&
+           (!warms_up || config_.warmup_distinct);
 }
 
-// Frames that do not move camera time forward go the whole way, where they are judged.
+// A look costs something, and while the robot drives it tells nothing.
+bool Daemon::is_look_due()
+{
+    return misses_ < misses_of_a_stand || ++unlooked_ >= driving_frames_a_look;
+}
+
 bool Daemon::is_parked(const vdna_transport_frame &frame, bool &out_looked)
 {
-    if (!looks() || frame.utime <= newest_stamp_)
+    if (!may_be_parked() || frame.utime <= newest_stamp_ || !is_look_due())
         return false;
     vdna_parked_picture picture;
     out_looked = glance_ ? glance_->look(frame.image, picture)
                          : process_ && process_->look(frame.image, picture);
-    return out_looked && vdna_parked_look(&parked_, &picture);
+    if (!out_looked)
+        return false;
+    unlooked_ = 0;
+    const bool is_like = vdna_parked_look(&parked_, &picture) != 0;
+    misses_ = is_like ? 0 : misses_ + 1;
+    return is_like && has_newest_look_;
 }
 
 void Daemon::repeat(vdna_transport *transport, const vdna_transport_frame &frame, int32_t basis)
@@ -445,7 +456,9 @@ void Daemon::remember(const vdna_msg_localisation_t &answer, const vdna_transpor
 {
     newest_ = answer;
     newest_stamp_ = frame.utime;
-    looked ? vdna_parked_keep(&parked_) : vdna_parked_forget(&parked_);
+    has_newest_look_ = looked;
+    if (looked)
+        vdna_parked_keep(&parked_);
     const vdna_select_position *const where = vdna_select_where(session_->select());
     if (where && answer.validity == VDNA_MSG_LOCALISATION_T_VALID)
         stride_.note(session_->experiences()[where->candidate], where->candidate,

@@ -87,9 +87,11 @@ class Daemon
     std::optional<vdna_msg_localisation_t> use(vdna_transport *transport,
                                                const vdna_transport_frame &frame,
                                                const vdna_backbone_frame &seen, Stopwatch &watch);
-    // Whether it is worth while to look if the picture shows anything new.
-    bool looks();
+    // Whether the camera still sees what it saw in the newest frame. `out_looked`: whether the
+    // picture was compared at all.
     bool is_parked(const vdna_transport_frame &frame, bool &out_looked);
+    bool may_be_parked() const;
+    bool is_look_due();
     int64_t time_of(const vdna_transport_frame &frame) const;
     void repeat(vdna_transport *transport, const vdna_transport_frame &frame, int32_t basis);
     // Remember what later frames may be answered from.
@@ -145,6 +147,9 @@ class Daemon
     int64_t newest_stamp_ = 0;     // of the newest frame that was answered from it, or its own
     std::optional<Glance> glance_; // none if the network's process looks, or nobody does
     vdna_parked parked_;
+    bool has_newest_look_ = false; // the reference is the newest frame
+    uint32_t misses_ = 0;          // looks since the newest that was like the reference
+    uint32_t unlooked_ = 0;        // frames since the newest look
     uint64_t parked_frames_ = 0;
     Stride stride_;
     uint64_t carried_ = 0;            // frames

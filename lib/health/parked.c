@@ -105,9 +105,3 @@ void vdna_parked_keep(vdna_parked *parked)
     parked->reference = parked->newest;
     parked->has_reference = 1;
 }
-
-/* see vdna/parked.h */
-void vdna_parked_forget(vdna_parked *parked)
-{
-    parked->has_reference = 0;
-}

@@ -19,7 +19,8 @@ from tiny_network import write_tiny_network
 
 WORK = os.path.abspath("parked")
 MAP, TINY, DRIVE = (os.path.join(WORK, name) for name in ("map", "tiny.toml", "drive"))
-SIDE, WARMUP, WINDOW = 96, 10, 32
+SIDE, WARMUP = 96, 10
+KNOWN = 2 * 16 * 4  # frames of a stand after which its noise is known
 FATES = ("processed", "parked", "carried", "refused", "skipped", "over_rate", "oversized", "late")
 
 
@@ -86,9 +87,9 @@ class Parked(WithAnswers):
         return [scene(self.chance, 20) for _ in range(count)]
 
     def test_a_robot_that_stands_is_answered_from_the_last_frame_that_was_seen(self):
-        answers = self.replay(messages_of(self.moving(20) + self.standing(200)))
+        answers = self.replay(messages_of(self.moving(20) + self.standing(400)))
         parked = [answer for answer in answers if answer["basis"] == "PARKED"]
-        self.assertGreater(len(parked), 200 - 2 * WINDOW)
+        self.assertGreater(len(parked), 400 - KNOWN - 20)
         last = None
         for answer in answers:
             if answer["basis"] == "SEEN":
@@ -99,8 +100,8 @@ class Parked(WithAnswers):
             self.assertFalse(answer["moving"])
 
     def test_a_robot_that_moves_is_seen_in_every_frame(self):
-        answers = self.replay(messages_of(self.moving(20) + self.standing(100) + self.moving(100)))
-        self.assertEqual({answer["basis"] for answer in answers[120:]}, {"SEEN"})
+        answers = self.replay(messages_of(self.moving(20) + self.standing(160) + self.moving(100)))
+        self.assertEqual({answer["basis"] for answer in answers[180:]}, {"SEEN"})
         self.assertEqual({answer["basis"] for answer in answers[:20]}, {"SEEN"})
 
     def test_none_is_parked_if_that_is_switched_off(self):
@@ -110,17 +111,17 @@ class Parked(WithAnswers):
 
     def test_a_camera_that_freezes_while_it_is_parked_is_told(self):
         frozen = self.standing(1) * 50
-        answers = self.replay(messages_of(self.moving(20) + self.standing(100) + frozen))
-        self.assertEqual(answers[119]["basis"], "PARKED")
-        for answer in answers[122:]:
+        answers = self.replay(messages_of(self.moving(20) + self.standing(160) + frozen))
+        self.assertEqual(answers[179]["basis"], "PARKED")
+        for answer in answers[182:]:
             self.assertEqual(answer["validity"], "REFUSED")
             self.assertIn("frozen", answer["reason"])
 
     def test_a_camera_that_repeats_pictures_while_it_is_parked_is_told(self):
         repeated = self.standing(5) * 10
-        answers = self.replay(messages_of(self.moving(20) + self.standing(100) + repeated))
-        self.assertEqual(answers[119]["basis"], "PARKED")
-        self.assertEqual({answer["validity"] for answer in answers[130:]}, {"REFUSED"})
+        answers = self.replay(messages_of(self.moving(20) + self.standing(160) + repeated))
+        self.assertEqual(answers[179]["basis"], "PARKED")
+        self.assertEqual({answer["validity"] for answer in answers[190:]}, {"REFUSED"})
 
     def test_a_warmup_counts_what_it_is_shown(self):
         answers = self.replay(messages_of(self.standing(WARMUP + 1)))
@@ -129,8 +130,8 @@ class Parked(WithAnswers):
     def test_a_warmup_of_distinct_frames_waits_for_the_drive(self):
         pictures = self.moving(2) + self.standing(200) + self.moving(60)
         answers = self.replay(messages_of(pictures),
-                              "[warmup]\ndistinct = true\n", warmup=100)
-        standing = answers[2 + 2 * WINDOW:202]
+                              "[warmup]\ndistinct = true\n", warmup=160)
+        standing = answers[2 + KNOWN + 10:202]
         self.assertEqual({(a["validity"], a["basis"]) for a in standing}, {("WARMING_UP", "PARKED")})
 
     def test_of_a_live_camera_each_frame_has_one_fate(self):

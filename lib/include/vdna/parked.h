@@ -30,7 +30,7 @@ extern "C" {
 #endif
 
 #define VDNA_PARKED_BLOCKS 192u      /**< numbers of a measured picture: 16 columns, 12 rows */
-#define VDNA_PARKED_WINDOW 32u       /**< looks in a window that measures the noise */
+#define VDNA_PARKED_WINDOW 16u       /**< looks in a window that measures the noise */
 #define VDNA_PARKED_REMEMBERED 32u   /**< looks that a repeated picture is recognised among */
 #define VDNA_PARKED_LIMIT_MAX 25500u /**< greatest limit of vdna_parked_init() */
 
@@ -82,11 +82,6 @@ VDNA_API uint32_t vdna_parked_look(vdna_parked *parked, const vdna_parked_pictur
 /** Take the newest look for the reference: it was answered in full.
  *  @param parked  from vdna_parked_init(), with a look */
 VDNA_API void vdna_parked_keep(vdna_parked *parked);
-
-/** Have no reference until the next vdna_parked_keep(): the answer holds no longer, or a picture
- *  that was not looked at has another.
- *  @param parked  from vdna_parked_init() */
-VDNA_API void vdna_parked_forget(vdna_parked *parked);
 
 #ifdef __cplusplus
 }

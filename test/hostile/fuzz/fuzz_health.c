@@ -81,7 +81,8 @@ static void look_at_any(const uint8_t *bytes, size_t size)
             picture.levels[i] = (uint16_t)(bytes[at + i % HEAD] << bytes[at] % 9);
         const uint32_t is_parked = vdna_parked_look(&parked, &picture);
         MUST(!is_parked || (parked.has_reference && parked.noise > 0));
-        bytes[at] % 16 == 0 ? vdna_parked_forget(&parked) : vdna_parked_keep(&parked);
+        if (bytes[at] % 16 != 0)
+            vdna_parked_keep(&parked);
         MUST(vdna_parked_look(&parked, &picture) == 0);
     }
 }

@@ -25,8 +25,8 @@ MAP, DRIVE, STAND = (os.path.join(WORK, name) for name in ("map", "drive", "stan
 
 def prepare():
     shutil.rmtree(WORK, ignore_errors=True)
-    vdna("simulate", DRIVE, "--frames", 30, "--size", "640x480")
-    vdna("simulate", STAND, "--frames", 150, "--size", "640x480", "--step", 0)
+    vdna("simulate", DRIVE, "--frames", 120, "--size", "640x480", "--quality", 85)
+    vdna("simulate", STAND, "--frames", 150, "--size", "640x480", "--quality", 85, "--step", 0)
     vdna("build", MAP, DRIVE)
 
 
@@ -65,11 +65,11 @@ class ParkedCost(WithConfiguration):
         with Watch() as watch, Camera() as camera, Selectord(
                 "--map", MAP, "--warmup-frames", WARMUP) as daemon:
             sender = Sender(camera)
-            sender.send(drive, 3)
+            sender.send(drive[:90], 3)
             begin = seconds_of(daemon.pids)
-            moving = sender.send(drive[::-1], len(drive) / RATE)
+            moving = sender.send(drive[90:], 1)
             moved = seconds_of(daemon.pids) - begin
-            sender.send(stand, 4)
+            sender.send(stand, 10)
             watch.wait_for("status", lambda status: status["parked"] > 0)
             before = watch.of("status")[-1]["parked"]
             begin = seconds_of(daemon.pids)
