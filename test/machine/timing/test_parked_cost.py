@@ -70,7 +70,7 @@ class ParkedCost(WithConfiguration):
             moving = sender.send(drive[90:], 1)
             moved = seconds_of(daemon.pids) - begin
             sender.send(stand, 10)
-            watch.wait_for("status", lambda status: status["parked"] > 0)
+            watch.collect(1.5)
             before = watch.of("status")[-1]["parked"]
             begin = seconds_of(daemon.pids)
             stood = sender.send(stand, SECONDS)
