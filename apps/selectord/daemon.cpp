@@ -460,7 +460,7 @@ void Daemon::remember(const vdna_msg_localisation_t &answer, const vdna_transpor
     if (looked)
         vdna_parked_keep(&parked_);
     const vdna_select_position *const where = vdna_select_where(session_->select());
-    if (where && answer.validity == VDNA_MSG_LOCALISATION_T_VALID)
+    if (where && degraded_[0] == '\0')
         stride_.note(session_->experiences()[where->candidate], where->candidate,
                      where->answer.frame, time_of(frame));
     else
