@@ -1,8 +1,9 @@
 /** @file vdna/picture.h
  *  @brief Pictures as cameras send them, decoded to 8-bit pixels.
  *
- *  vdna_backbone_run() decodes with the same code, so this header gives the very pixels that a
- *  Visual DNA is made of. The same raw picture gives the same pixels on every processor.
+ *  vdna_backbone_run() decodes with the same code, in full or reduced as its manifest says, so this
+ *  header gives the very pixels that a Visual DNA is made of. The same raw picture gives the same
+ * pixels on every processor.
  */
 #ifndef VDNA_PICTURE_H
 #define VDNA_PICTURE_H
