@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <optional>
 
 #include <sys/prctl.h>
 #include <unistd.h>
@@ -13,6 +14,7 @@
 #include "program/exit_code.hpp"
 #include "selectord/backbone_mailbox.hpp"
 #include "selectord/confinement.hpp"
+#include "selectord/glance.hpp"
 #include "selectord/memory_statement.hpp"
 
 namespace vdna::selectord
@@ -46,11 +48,14 @@ class Child
   private:
     vdna_status open(BackboneReply &reply);
     vdna_status run(BackboneReply &reply);
+    vdna_status look(BackboneReply &reply);
     void put_numbers(const vdna_backbone_frame &frame, BackboneReply &reply);
     vdna_status confine(vdna_error &error);
+    vdna_image picture() const;
 
     const BackboneMailbox mailbox_;
     vdna_backbone *backbone_ = nullptr;
+    std::optional<Glance> glance_;
 };
 
 bool await_request()
@@ -66,7 +71,9 @@ int Child::serve()
         BackboneReply &reply = mailbox_.reply();
         const uint64_t number = mailbox_.request().number;
         reply.error = {};
-        reply.status = number == 0 ? open(reply) : run(reply);
+        reply.status = number == 0                ? open(reply)
+                       : mailbox_.request().looks ? look(reply)
+                                                  : run(reply);
         reply.number = number;
         const char byte = 0;
         if (write(done_fd, &byte, 1) != 1 || !backbone_)
@@ -110,6 +117,8 @@ vdna_status Child::confine(vdna_error &error)
     try {
         if (mailbox_.request().lock_memory)
             lock_memory();
+        if (mailbox_.request().looks)
+            glance_.emplace(mailbox_.request().max_pixels);
     } catch (const Error &refusal) {
         return fail(error, VDNA_ERR_RUNTIME, "%s", refusal.what());
     }
@@ -124,13 +133,24 @@ vdna_status Child::confine(vdna_error &error)
 
 vdna_status Child::run(BackboneReply &reply)
 {
-    vdna_image image = mailbox_.request().image;
-    image.data = mailbox_.picture();
+    const vdna_image image = picture();
     vdna_backbone_frame frame;
     const vdna_status status = vdna_backbone_run(backbone_, &image, &reply.error, &frame);
     if (status == VDNA_OK)
         put_numbers(frame, reply);
     return status;
+}
+
+vdna_status Child::look(BackboneReply &reply)
+{
+    return glance_ && glance_->look(picture(), reply.looked) ? VDNA_OK : VDNA_ERR_FORMAT;
+}
+
+vdna_image Child::picture() const
+{
+    vdna_image image = mailbox_.request().image;
+    image.data = mailbox_.picture();
+    return image;
 }
 
 void Child::put_numbers(const vdna_backbone_frame &frame, BackboneReply &reply)

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <vdna/backbone.h>
+#include <vdna/parked.h>
 
 namespace vdna::selectord
 {
@@ -19,13 +20,15 @@ constexpr size_t taps_max = VDNA_TAPS_SIZE / 6 + 1;    // "a:1:1,"
 constexpr size_t numbers_bytes_max = size_t{64} << 20; // of a frame
 constexpr size_t path_size = 4096;                     // PATH_MAX
 
-// Written by the daemon. Number 0 opens the network, every other one runs a picture.
+// Written by the daemon. Number 0 opens the network, every other one runs a picture or, with
+// `looks`, only measures it.
 struct BackboneRequest {
     uint64_t number;
     int32_t parent; // process id of the daemon
     uint32_t threads;
     uint32_t max_pixels;
     uint32_t lock_memory;
+    uint32_t looks; // of number 0: there will be some
     char manifest[path_size];
     char runtime[path_size]; // "" = found automatically
     vdna_image image;        // its data is picture()
@@ -37,7 +40,8 @@ struct BackboneReply {
     vdna_status status;
     vdna_error error;
     vdna_backbone_info info;    // of number 0
-    vdna_backbone_frame frame;  // of all others
+    vdna_backbone_frame frame;  // of a picture that was run
+    vdna_parked_picture looked; // of one that was measured
     uint32_t layouts[taps_max]; // VDNA_LAYOUT_... of each tap
 };
 

@@ -230,6 +230,24 @@ vdna_status BackboneProcess::open(vdna_error &error)
 vdna_status BackboneProcess::run(const vdna_image &image, vdna_error &error,
                                  vdna_backbone_frame &out_frame)
 {
+    const vdna_status status = ask(image, false, error);
+    if (status == VDNA_OK)
+        take_numbers(out_frame);
+    return status;
+}
+
+bool BackboneProcess::look(const vdna_image &image, vdna_parked_picture &out_picture)
+{
+    vdna_error error;
+    if (ask(image, true, error) != VDNA_OK)
+        return false;
+    out_picture = reply_.looked;
+    return true;
+}
+
+// Have it run a picture, or look at it, and take the reply.
+vdna_status BackboneProcess::ask(const vdna_image &image, bool looks, vdna_error &error)
+{
     go_on();
     if (state_ != State::idle)
         return refuse(error);
@@ -240,11 +258,12 @@ vdna_status BackboneProcess::run(const vdna_image &image, vdna_error &error,
 
     const int64_t begin_us = monotonic_us();
     mailbox_.request().image = image;
+    mailbox_.request().looks = looks;
     std::copy_n(image.data, image.size, mailbox_.picture());
     post(number_ + 1);
     switch (wait(begin_us + budget_us_)) {
     case Event::replied:
-        break;
+        return take_reply(error);
     case Event::hung_up:
         note_end();
         return refuse(error);
@@ -253,12 +272,9 @@ vdna_status BackboneProcess::run(const vdna_image &image, vdna_error &error,
         deadline_us_ = begin_us + 2 * budget_us_;
         return refuse(error);
     case Event::cancelled:
-        return fail(error, VDNA_ERR_RUNTIME, "the backbone was cancelled");
+        break;
     }
-    const vdna_status status = take_reply(error);
-    if (status == VDNA_OK)
-        take_numbers(out_frame);
-    return status;
+    return fail(error, VDNA_ERR_RUNTIME, "the backbone was cancelled");
 }
 
 // Another thread's; run() sees it, and no other run follows.
@@ -274,6 +290,7 @@ void BackboneProcess::start()
     request.threads = config_.threads;
     request.max_pixels = config_.max_image_pixels;
     request.lock_memory = lock_;
+    request.looks = config_.parked > 0;
     copy_path(request.manifest, config_.manifest);
     copy_path(request.runtime, config_.runtime);
 

@@ -41,6 +41,9 @@ class BackboneProcess
     // this object. Throws Error.
     Backbone open();
 
+    // Measure a picture in it, as Glance does. Returns false if that cannot be had.
+    bool look(const vdna_image &image, vdna_parked_picture &out_picture);
+
     // Process id; 0 = there is none at the moment.
     pid_t pid() const { return pid_; }
     // Of the process, and the most of any so far. Allocates nothing.
@@ -77,6 +80,7 @@ class BackboneProcess
 
     // What is said to it and heard from it.
     void post(uint64_t number);
+    vdna_status ask(const vdna_image &image, bool looks, vdna_error &error);
     Event wait(int64_t deadline_us);
     vdna_status take_reply(vdna_error &error);
     vdna_status take_first_description(vdna_error &error);

@@ -17,6 +17,7 @@
 #include <vdna/cpp/error.hpp>
 #include <vdna/cpp/selector.hpp>
 #include <vdna/image.h>
+#include <vdna/parked.h>
 
 #include "program/exit_code.hpp"
 
@@ -57,8 +58,11 @@ constexpr double budget_mb_max = 1u << 20;
 constexpr double nice_max = 19;
 constexpr double tolerance_max = 1e6;
 constexpr double switch_cost_max = 1e6;
+constexpr double every_max = 1e6;
+constexpr double rate_hz_max = 1000;
+constexpr double parked_max = VDNA_PARKED_LIMIT_MAX / 100.0;
 
-const std::array<Setting, 41> settings{{
+const std::array<Setting, 45> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max, "the map: folder of experience files",
      Text::path},
     {"map", "copy", &Config::copy_map, 0, 0,
@@ -84,6 +88,9 @@ const std::array<Setting, 41> settings{{
      "choose after this much camera time, seconds"},
     {"warmup", "frames_min", &Config::warmup_frames_min, 1, UINT32_MAX,
      "fewest frames of a warmup in seconds, which goes on until it has them"},
+    {"warmup", "distinct", &Config::warmup_distinct, 0, 0,
+     "leave out pictures of a parked camera (see [camera] parked), so that a robot that stands "
+     "chooses only after it has driven"},
     {"select", "top", &Config::top, 1, UINT32_MAX,
      "localise in this many of the first experiences of the ranking; the most confident answers"},
     {"select", "rank", &Config::rank, 1, path_max,
@@ -109,8 +116,16 @@ const std::array<Setting, 41> settings{{
     {"localise", "tolerance", &Config::tolerance, 0, tolerance_max,
      "frames within this distance are one place: metres if the map has positions, else place "
      "numbers"},
+    {"localise", "every_m", &Config::every_m, 0, every_max,
+     "while less than this is driven since the last frame that went through the network, by the "
+     "speed of the place filter, answer from that frame; unit as of tolerance; 0: never"},
     {"camera", "health", &Config::frame_health, 0, 0,
      "leave out pictures that show nothing, or nothing new: black, covered, frozen"},
+    {"camera", "parked", &Config::parked, 0, parked_max,
+     "answer from the last frame, without the network, if the picture is the same up to the "
+     "camera's noise, and by no more than this, grey levels; 0: never"},
+    {"camera", "max_rate_hz", &Config::max_rate_hz, 0, rate_hz_max,
+     "skip frames that come faster, a second; 0: none"},
     {"camera", "stale_seconds", &Config::stale_seconds, 0, warmup_seconds_max,
      "time without a used frame after which the answer is STALE, seconds; 0: 1 s and the time of "
      "two frames"},

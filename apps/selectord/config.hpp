@@ -27,6 +27,7 @@ struct Config {
     double warmup_seconds = 0; // 0 = by frames; exactly one of the two is set
     uint32_t warmup_frames_min = VDNA_WARMUP_FRAMES_MIN_DEFAULT;
     double late_seconds = VDNA_TIME_LATE_US_DEFAULT / 1e6;
+    bool warmup_distinct = false;
     uint32_t top = 1;
     std::string rank = "transfer";
     double min_recall = 0;
@@ -38,7 +39,10 @@ struct Config {
     bool place_filter = true;
     double min_confidence = VDNA_LOCALISE_MIN_CONFIDENCE_DEFAULT;
     double tolerance = 5;
+    double every_m = 0;
     bool frame_health = true;
+    double parked = 1.5;
+    double max_rate_hz = 0;
     double stale_seconds = 0;
     std::string sources; // "10.0.0.2,10.0.0.3"; "" = see transport.h
     bool require_protection = false;

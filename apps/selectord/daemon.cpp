@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cinttypes>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -49,6 +50,9 @@ const char *sentence_of(uint32_t verdict)
     }
 }
 
+// Looks in a row that show something new before the robot drives, and how seldom it is looked then.
+constexpr uint32_t misses_of_a_stand = 3, driving_frames_a_look = 4;
+
 constexpr const char *is_lost = "the places jump as on another route";
 
 // Whether the frame went into the selection.
@@ -68,9 +72,13 @@ Daemon::Daemon(const Config &config, OpenedMap map, const Backbone &backbone,
       message_size_max_(
           std::max({ranking_growth * session_->ranking().encoded_size(), message_size_min}) +
           other_messages_size_max),
-      waiting_(config, is_replay_), standby_(process_id_.instance, program::wall_us())
+      waiting_(config, is_replay_), rate_limit_(config.max_rate_hz), stride_(config.every_m),
+      standby_(process_id_.instance, program::wall_us())
 {
     vdna_health_init(&health_, nullptr); // cannot fail: the defaults are valid
+    vdna_parked_init(&parked_, static_cast<uint32_t>(std::lround(100 * config.parked)));
+    if (config.parked > 0 && !process_)
+        glance_.emplace(config.max_image_pixels);
     keep_to_settings();
 }
 
@@ -189,7 +197,8 @@ Facts Daemon::facts(vdna_transport *transport) const
     facts.overheard = vdna_transport_overheard_channels(transport, &facts.overheard_count);
     facts.selected = vdna_select_has_choice(session_->select()) != 0;
     facts.progress = vdna_select_progress(session_->select());
-    facts.accepted = counts.accepted;
+    facts.accepted = counts.accepted + parked_frames_ + carried_;
+    facts.parked = parked_frames_;
     facts.refused = refused_;
     facts.late = counts.late;
     facts.still = vdna_select_time(session_->select())->still;
@@ -228,6 +237,7 @@ void Daemon::forget()
     vdna_select_reset(session_->select());
     vdna_health_init(&health_, nullptr);
     degraded_[0] = '\0';
+    newest_.reset();
 }
 
 // One that stands by does the same, so that it would take over with the same choice, and is silent.
@@ -275,6 +285,7 @@ Outcome Daemon::change_choice(vdna_transport *transport, const vdna_transport_co
         return ranking ? ranking->candidate : VDNA_SELECT_NONE;
     };
     const uint32_t recommended = first(), chosen = vdna_select_chosen(select);
+    newest_.reset();
     Outcome outcome = carry_out(*session_, command);
     const bool is_changed = recommended != first() || chosen != vdna_select_chosen(select);
     if (first() != VDNA_SELECT_NONE && is_changed) {
@@ -320,6 +331,7 @@ void Daemon::go_on_reloading(vdna_transport *transport, const ServiceManager &ma
 
 Outcome Daemon::end_reload(std::unique_ptr<MapSession> next)
 {
+    newest_.reset();
     next->count_on_from(*session_);
     const std::string lost = carry_over(*session_, *next);
     session_ = std::move(next);
@@ -341,9 +353,19 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
         unanswered_++;
         return;
     }
+    if (!rate_limit_.takes(time_of(frame))) {
+        over_rate_++;
+        unanswered_++;
+        return;
+    }
     if (session_->fault()[0] != '\0')
         return send(transport, frame,
                     refuse(frame, session_->fault(), VDNA_MSG_LOCALISATION_T_FAULT));
+    if (newest_ && frame.utime > newest_stamp_ && stride_.is_near(time_of(frame)))
+        return repeat(transport, frame, VDNA_MSG_LOCALISATION_T_CARRIED);
+    bool looked = false;
+    if (is_parked(frame, looked))
+        return repeat(transport, frame, VDNA_MSG_LOCALISATION_T_PARKED);
 
     const int64_t begin_us = program::monotonic_us();
     vdna_backbone_frame seen;
@@ -355,6 +377,7 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     network_answers_ += has_replied(status);
     network_failed_ = is_at_fault(status);
 
+    newest_.reset();
     Stopwatch watch;
     std::optional<vdna_msg_localisation_t> answer =
         status == VDNA_OK ? use(transport, frame, seen, watch) : refuse(frame, error.text);
@@ -366,6 +389,7 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
         return send(transport, frame, *answer);
     note_used(*answer);
     mark_degraded(*answer);
+    remember(*answer, frame, looked);
     send(transport, frame, *answer);
 
     stages_.queue.add(begin_us - frame.received_us);
@@ -374,6 +398,73 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     stages_.inference.add(seen.inference_us);
     stages_.publish.add(watch.lap_us());
     stages_.total.add(program::monotonic_us() - frame.received_us);
+}
+
+// Of a log, which is read at any speed, its camera's.
+int64_t Daemon::time_of(const vdna_transport_frame &frame) const
+{
+    return is_replay_ ? frame.utime : frame.received_us;
+}
+
+// A warmup counts what it is shown, unless it is to have distinct pictures only. Frames that do not
+// move camera time forward go the whole way, where they are judged.
+bool Daemon::may_be_parked() const
+{
+    const bool warms_up = vdna_select_state(session_->select()) == VDNA_SELECT_WARMUP;
+    return config_.parked > 0 && newest_ && degraded_[0] == '\0' &&
+           (!warms_up || config_.warmup_distinct);
+}
+
+// A look costs something, and while the robot drives it tells nothing.
+bool Daemon::is_look_due()
+{
+    return misses_ < misses_of_a_stand || ++unlooked_ >= driving_frames_a_look;
+}
+
+bool Daemon::is_parked(const vdna_transport_frame &frame, bool &out_looked)
+{
+    if (!may_be_parked() || frame.utime <= newest_stamp_ || !is_look_due())
+        return false;
+    vdna_parked_picture picture;
+    out_looked = glance_ ? glance_->look(frame.image, picture)
+                         : process_ && process_->look(frame.image, picture);
+    if (!out_looked)
+        return false;
+    unlooked_ = 0;
+    const bool is_like = vdna_parked_look(&parked_, &picture) != 0;
+    misses_ = is_like ? 0 : misses_ + 1;
+    return is_like && has_newest_look_;
+}
+
+void Daemon::repeat(vdna_transport *transport, const vdna_transport_frame &frame, int32_t basis)
+{
+    const bool is_parked = basis == VDNA_MSG_LOCALISATION_T_PARKED;
+    (is_parked ? parked_frames_ : carried_)++;
+    newest_stamp_ = frame.utime;
+    localised_ += newest_->frame >= 0;
+    vdna_msg_localisation_t answer = *newest_;
+    answer.utime = frame.utime;
+    answer.basis = basis;
+    if (is_parked)
+        answer.moving = 0;
+    note_used(answer);
+    send(transport, frame, answer);
+}
+
+void Daemon::remember(const vdna_msg_localisation_t &answer, const vdna_transport_frame &frame,
+                      bool looked)
+{
+    newest_ = answer;
+    newest_stamp_ = frame.utime;
+    has_newest_look_ = looked;
+    if (looked)
+        vdna_parked_keep(&parked_);
+    const vdna_select_position *const where = vdna_select_where(session_->select());
+    if (where && degraded_[0] == '\0')
+        stride_.note(session_->experiences()[where->candidate], where->candidate,
+                     where->answer.frame, time_of(frame));
+    else
+        stride_.forget();
 }
 
 // A log waits for us, and is to give the same answers again.
@@ -563,6 +654,9 @@ void Daemon::publish_status(vdna_transport *transport)
                           refused_,
                           unusable_,
                           stood_by_,
+                          parked_frames_,
+                          carried_,
+                          over_rate_,
                           window_frames_max_,
                           resident(),
                           problem()};

@@ -12,15 +12,18 @@
 #include <vdna/cpp/backbone.hpp>
 #include <vdna/cpp/map.hpp>
 #include <vdna/health.h>
+#include <vdna/parked.h>
 #include <vdna/transport.h>
 
 #include "selectord/answer_file.hpp"
 #include "selectord/backbone_process.hpp"
 #include "selectord/config.hpp"
+#include "selectord/glance.hpp"
 #include "selectord/limited_log.hpp"
 #include "selectord/map_reload.hpp"
 #include "selectord/map_session.hpp"
 #include "selectord/operator_commands.hpp"
+#include "selectord/pace.hpp"
 #include "selectord/reports.hpp"
 #include "selectord/resident_memory.hpp"
 #include "selectord/service_manager.hpp"
@@ -84,6 +87,16 @@ class Daemon
     std::optional<vdna_msg_localisation_t> use(vdna_transport *transport,
                                                const vdna_transport_frame &frame,
                                                const vdna_backbone_frame &seen, Stopwatch &watch);
+    // Whether the camera still sees what it saw in the newest frame. `out_looked`: whether the
+    // picture was compared at all.
+    bool is_parked(const vdna_transport_frame &frame, bool &out_looked);
+    bool may_be_parked() const;
+    bool is_look_due();
+    int64_t time_of(const vdna_transport_frame &frame) const;
+    void repeat(vdna_transport *transport, const vdna_transport_frame &frame, int32_t basis);
+    // Remember what later frames may be answered from.
+    void remember(const vdna_msg_localisation_t &answer, const vdna_transport_frame &frame,
+                  bool looked);
     // Judge the picture. Returns why it is left out; "" if it is not.
     const char *fault_of(const vdna_backbone_frame &seen);
     void note_used(const vdna_msg_localisation_t &answer);
@@ -126,6 +139,20 @@ class Daemon
     Stages stages_;
     uint32_t network_runs_ = 0, network_answers_ = 0; // since the last beat
     vdna_health health_;
+    RateLimit rate_limit_;
+    uint64_t over_rate_ = 0; // frames
+    // The answer to the newest frame, if that went through the network and nothing has changed
+    // since; what it borrows lasts as long.
+    std::optional<vdna_msg_localisation_t> newest_;
+    int64_t newest_stamp_ = 0;     // of the newest frame that was answered from it, or its own
+    std::optional<Glance> glance_; // none if the network's process looks, or nobody does
+    vdna_parked parked_;
+    bool has_newest_look_ = false; // the reference is the newest frame
+    uint32_t misses_ = 0;          // looks since the newest that was like the reference
+    uint32_t unlooked_ = 0;        // frames since the newest look
+    uint64_t parked_frames_ = 0;
+    Stride stride_;
+    uint64_t carried_ = 0;            // frames
     std::array<char, 96> degraded_{}; // why the camera is degraded; "" if it is not
     bool network_failed_ = false;     // on the newest frame
     int32_t validity_ =

@@ -15,6 +15,8 @@
 
 #include <vdna/cpp/error.hpp>
 
+#include "selectord/glance.hpp"
+
 namespace vdna::selectord
 {
 
@@ -92,6 +94,8 @@ MemoryStatement::MemoryStatement(const Config &config, const StartUp &start_up,
         {"frames", "newest picture (lcm.max_image_bytes)", picture, false, false},
         {"frames", "decoding one of " + pixels + " pixels (lcm.max_image_pixels)",
          backbone.info().decode_bytes, false, false},
+        {"frames", "looking whether one shows anything new (camera.parked)",
+         config.parked > 0 ? Glance::bytes_max(config.max_image_pixels) : 0, false, false},
         {"lcm", "message to publish", transport.own_bytes - picture, false, false},
         {"lcm", "queued and half received messages, inside LCM", transport.lcm_bytes, false, false},
         {"margin", "code not run yet, stacks, rounding", margin, false, false},

@@ -355,6 +355,9 @@ void fill_counters(const StatusFacts &facts, vdna_msg_status_t &message)
     const vdna_transport_counters &counters = facts.transport;
     message.received = static_cast<int64_t>(counters.received);
     message.processed = static_cast<int64_t>(facts.counts.accepted);
+    message.parked = static_cast<int64_t>(facts.parked);
+    message.carried = static_cast<int64_t>(facts.carried);
+    message.over_rate = static_cast<int64_t>(facts.over_rate);
     message.refused = static_cast<int64_t>(facts.refused);
     message.unusable = static_cast<int64_t>(facts.unusable);
     message.skipped = static_cast<int64_t>(counters.skipped + facts.stood_by);

@@ -134,6 +134,7 @@ struct StatusFacts {
     const Stages &stages;
     FrameCounts counts;
     uint64_t refused, unusable, stood_by; // frames
+    uint64_t parked, carried, over_rate;  // frames
     uint32_t window_frames_max;
     Resident resident;
     const char *message;

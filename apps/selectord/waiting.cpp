@@ -171,6 +171,8 @@ Cause obstacle(const Facts &then, const Facts &now, uint64_t restarts_before)
         return Cause::none;
     if (now.restarts > restarts_before)
         return Cause::restarts;
+    if (now.parked - then.parked == accepted)
+        return Cause::parked;
     return now.still > 0 && now.still + 1 >= accepted ? Cause::still : Cause::none;
 }
 
@@ -353,6 +355,10 @@ Verdict Waiting::describe(Cause cause, const Facts &now) const
                 "to the camera's clock, and that one camera only sends on ",
                 now.restarts, now.restarts == 1 ? "" : "s", now.restart_reason);
         out.add_channel(camera.c_str());
+        break;
+    case Cause::parked:
+        out.add("the pictures show nothing new, so the robot seems to stand, and [warmup] distinct "
+                "counts no such picture: drive on, or set it to false");
         break;
     case Cause::still:
         out.add("camera time has not moved for %" PRIu64 " frames: let the camera driver set utime "

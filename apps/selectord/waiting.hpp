@@ -21,6 +21,7 @@ struct Facts {
     bool selected = false;
     double progress = 0;             // of the warmup, 0..1
     uint64_t accepted = 0;           // frames used
+    uint64_t parked = 0;             // of these, frames that showed nothing new
     uint64_t refused = 0;            // frames that could not be used, late ones left out
     uint64_t late = 0;               // frames left out because newer ones had come before them
     uint64_t still = 0;              // the newest used frames that did not move camera time
@@ -39,6 +40,7 @@ enum class Cause {
     oversized,
     refused,
     restarts,
+    parked,
     still,
     late
 };

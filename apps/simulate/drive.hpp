@@ -12,7 +12,7 @@ namespace vdna::simulate
 
 struct DriveConfig {
     double start_m = 0;  // along the route
-    double step_m = .5;  // along the route from frame to frame, > 0
+    double step_m = .5;  // along the route from frame to frame, >= 0
     double rate_hz = 10; // frames per second, > 0
     float variation = 0; // 0..1: deviation from the line, the speed and the exposure
     uint64_t seed = 1;   // of this drive's random numbers

@@ -66,6 +66,20 @@ const char *validity_of(const vdna_msg_localisation_t &message)
     }
 }
 
+const char *basis_of(const vdna_msg_localisation_t &message)
+{
+    switch (message.basis) {
+    case VDNA_MSG_LOCALISATION_T_SEEN:
+        return "SEEN";
+    case VDNA_MSG_LOCALISATION_T_PARKED:
+        return "PARKED";
+    case VDNA_MSG_LOCALISATION_T_CARRIED:
+        return "CARRIED";
+    default:
+        return "UNKNOWN";
+    }
+}
+
 bool has_place(const vdna_msg_localisation_t &message)
 {
     return message.validity == VDNA_MSG_LOCALISATION_T_VALID ||
@@ -227,6 +241,10 @@ std::string text_of(const vdna_msg_localisation_t &message)
         if (message.has_position)
             text += ", position " + position_text(message.position_frame, message.position);
     }
+    if (message.basis == VDNA_MSG_LOCALISATION_T_PARKED)
+        text += ", parked";
+    if (message.basis == VDNA_MSG_LOCALISATION_T_CARRIED)
+        text += ", carried on";
     if (message.reason[0])
         text += format(": %s", message.reason);
     return text + format(" (%.1f ms)", ms(message.latency_us));
@@ -246,6 +264,12 @@ std::string text_of(const vdna_msg_status_t &message)
         number(message.processed), number(message.skipped), number(message.refused),
         number(message.oversized), number(message.late), number(message.rejected),
         mb(message.resident_bytes), mb(message.resident_bytes_max));
+    if (message.parked > 0)
+        text += format(", parked %lld", number(message.parked));
+    if (message.carried > 0)
+        text += format(", carried %lld", number(message.carried));
+    if (message.over_rate > 0)
+        text += format(", beyond the rate %lld", number(message.over_rate));
     if (message.pinned[0])
         text += format(", pinned: %s", message.pinned);
     if (message.shadow)
@@ -340,6 +364,7 @@ nlohmann::ordered_json json_of(const vdna_msg_localisation_t &message)
                                 {"predicted_recall", message.predicted_recall},
                                 {"predicted_low", message.predicted_low},
                                 {"predicted_high", message.predicted_high},
+                                {"basis", basis_of(message)},
                                 {"latency_us", message.latency_us},
                                 {"skipped", message.skipped}};
     if (!has_place(message))
@@ -389,9 +414,12 @@ nlohmann::ordered_json json_of(const vdna_msg_status_t &message)
                                 {"version", message.version},
                                 {"received", message.received},
                                 {"processed", message.processed},
+                                {"parked", message.parked},
+                                {"carried", message.carried},
                                 {"refused", message.refused},
                                 {"unusable", message.unusable},
                                 {"skipped", message.skipped},
+                                {"over_rate", message.over_rate},
                                 {"oversized", message.oversized},
                                 {"late", message.late},
                                 {"rejected", message.rejected},

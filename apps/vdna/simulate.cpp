@@ -55,8 +55,9 @@ void add_drive_options(CLI::App &command, simulate::DriveConfig &drive)
         ->check(program::within(-1e6, 1e6))
         ->type_name("M")
         ->capture_default_str();
-    command.add_option("--step", drive.step_m, "metres from frame to frame")
-        ->check(program::within(1e-3, 1e3))
+    command
+        .add_option("--step", drive.step_m, "metres from frame to frame; 0: a robot that stands")
+        ->check(program::within(0, 1e3))
         ->type_name("M")
         ->capture_default_str();
     command.add_option("--rate", drive.rate_hz, "frames per second, for the time stamps")

@@ -441,8 +441,12 @@ class Screen
             line.add(gauge(confidence, gauge_cells()), tone())
                 .add(" " + fixed(confidence, 2) + (size_.columns < 60 ? " " : " confident, "));
         const bool is_moving = telemetry::is_true(answer_, "moving");
-        add(Rank::place, line.add("frame " + fixed(number_of(answer_, "frame"), 0) + " of " +
-                                  experience + (is_moving ? "" : ", standing")));
+        const bool is_parked = telemetry::text_of(answer_, "basis") == "PARKED";
+        add(Rank::place,
+            line.add("frame " + fixed(number_of(answer_, "frame"), 0) + " of " + experience +
+                     (is_parked   ? ", parked"
+                      : is_moving ? ""
+                                  : ", standing")));
         if (const std::string position = telemetry::position_of(answer_); !position.empty())
             add(Rank::position, labelled("Position").add(position));
     }
@@ -464,6 +468,15 @@ class Screen
             labelled("Memory").add(mb("resident_bytes") + ", at most " + mb("resident_bytes_max")));
     }
 
+    // Frames that were answered with what they or the last one showed.
+    double used() const
+    {
+        double sum = 0;
+        for (const char *name : {"processed", "parked", "carried"})
+            sum += status_.contains(name) ? number_of(status_, name) : 0;
+        return sum;
+    }
+
     std::string camera() const
     {
         const double received = number_of(status_, "received");
@@ -472,7 +485,7 @@ class Screen
             return "no frame yet";
         return (std::isnan(camera_hz_) ? "" : fixed(camera_hz_, 1) + " frames/s, ") +
                (frame_us < 0 ? "" : "newest " + age(frame_us / 1e6 + silent_s_) + " ago, ") +
-               fixed(number_of(status_, "processed"), 0) + " of " + fixed(received, 0) + " used";
+               fixed(used(), 0) + " of " + fixed(received, 0) + " used";
     }
 
     void add_problems()

@@ -2,17 +2,14 @@
 
 #include <vdna/health.h>
 
-#define COLUMNS 16u /* blocks */
-#define ROWS 12u
-#define BLOCKS (COLUMNS * ROWS)
-#define SIDE 10u /* samples of a block, in each direction */
-#define SAMPLES (SIDE * SIDE)
-#define SAMPLES_X (COLUMNS * SIDE)
-#define SAMPLES_Y (ROWS * SIDE)
+#include "blocks.h"
+
+#define COLUMNS VDNA_BLOCK_COLUMNS
+#define ROWS VDNA_BLOCK_ROWS
+#define BLOCKS VDNA_BLOCKS
+#define SAMPLES VDNA_BLOCK_SAMPLES
 #define PAIRS ((COLUMNS - 1) * ROWS + COLUMNS * (ROWS - 1))
 
-#define SIZE_MOST 65535u /* pixels a side: positions of samples fit 32 bits */
-#define BRIGHT 250u
 #define EXTREME 4u /* blocks beyond a level that counts as reached */
 
 /* Words of 64 bits that are hashed side by side: a product takes as long as four may begin in. */
@@ -80,35 +77,13 @@ static uint64_t hash_of(const vdna_pixels *pixels)
     return mix(hash, 0);
 }
 
-static const uint8_t *row_of(const vdna_pixels *pixels, uint32_t j)
-{
-    return pixels->data + (2 * j + 1) * pixels->height / (2 * SAMPLES_Y) * pixels->stride;
-}
-
-static uint32_t grey_of(const vdna_pixels *pixels, const uint8_t *row, uint32_t i)
-{
-    const uint32_t x = (2 * i + 1) * pixels->width / (2 * SAMPLES_X);
-    const uint8_t *at = row + (size_t)x * pixels->channels;
-    const uint32_t *rgb = pixels->rgb;
-    return (77u * at[rgb[0]] + 150u * at[rgb[1]] + 29u * at[rgb[2]] + 128u) >> 8;
-}
-
 static void read_block(const vdna_pixels *pixels, uint32_t block, block_table *table)
 {
-    const uint32_t left = block % COLUMNS * SIDE, top = block / COLUMNS * SIDE;
-    uint32_t sum = 0, squares = 0;
-    for (uint32_t j = top; j < top + SIDE; j++) {
-        const uint8_t *row = row_of(pixels, j);
-        for (uint32_t i = left; i < left + SIDE; i++) {
-            const uint32_t grey = grey_of(pixels, row, i);
-            sum += grey;
-            squares += grey * grey;
-            table->bright += grey >= BRIGHT;
-        }
-    }
-    table->levels[block] = (uint8_t)((sum + SAMPLES / 2) / SAMPLES);
+    const vdna_block read = vdna_block_of(pixels, block);
+    table->levels[block] = (uint8_t)((read.sum + SAMPLES / 2) / SAMPLES);
     table->deviations[block] =
-        (uint8_t)root_of((SAMPLES * squares - sum * sum) / (SAMPLES * SAMPLES));
+        (uint8_t)root_of((SAMPLES * read.squares - read.sum * read.sum) / (SAMPLES * SAMPLES));
+    table->bright += read.bright;
 }
 
 /* The `rank`th smallest of the blocks' values, from 1. */
@@ -150,22 +125,10 @@ static uint32_t structure_of(const uint8_t *levels, uint32_t sum)
     /* NOLINTEND(bugprone-implicit-widening-of-multiplication-result) */
 }
 
-static int are_pixels(const vdna_pixels *pixels)
-{
-    if (!pixels || !pixels->data || pixels->width < 1 || pixels->width > SIZE_MOST ||
-        pixels->height < 1 || pixels->height > SIZE_MOST)
-        return 0;
-    const uint32_t channels = pixels->channels;
-    if (channels != 1 && channels != 3 && channels != 4)
-        return 0;
-    return pixels->rgb[0] < channels && pixels->rgb[1] < channels && pixels->rgb[2] < channels &&
-           pixels->stride >= (size_t)pixels->width * channels;
-}
-
 /* see vdna/health.h */
 vdna_status vdna_health_measure(const vdna_pixels *pixels, vdna_health_picture *out_picture)
 {
-    if (!are_pixels(pixels) || !out_picture)
+    if (!vdna_blocks_can_read(pixels) || !out_picture)
         return VDNA_ERR_ARG;
 
     block_table table;
@@ -183,7 +146,7 @@ vdna_status vdna_health_measure(const vdna_pixels *pixels, vdna_health_picture *
     out_picture->structure = structure_of(table.levels, sum);
     const uint32_t grain = level_of_rank(table.deviations, BLOCKS / 2);
     out_picture->grain = grain > 0 ? grain : 1;
-    out_picture->bright = 1000 * table.bright / (SAMPLES_X * SAMPLES_Y);
+    out_picture->bright = 1000 * table.bright / (BLOCKS * SAMPLES);
     out_picture->reserved = 0;
     return VDNA_OK;
 }

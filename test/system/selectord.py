@@ -379,6 +379,6 @@ def command_message(utime, command, argument=b""):
 
 def localisation_message(utime):
     """A vdna_msg.localisation_t that says WARMING_UP."""
-    fingerprint = 0x03F018D335A646A4
-    return struct.pack(">QqiI1sI1siqbqbI1s3ddbi4dqq", fingerprint, utime, 1, 1, b"\0", 1, b"\0",
-                       -1, 0, 0, 0, 0, 1, b"\0", 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0)
+    fingerprint = 0x7A3367ABC5866E67
+    return struct.pack(">QqiI1sI1siqbqbI1s3ddbi4diqq", fingerprint, utime, 1, 1, b"\0", 1, b"\0",
+                       -1, 0, 0, 0, 0, 1, b"\0", 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0)

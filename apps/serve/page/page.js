@@ -97,7 +97,7 @@ function show_match() {
     : answer.experience === null ? `${answer.validity.toLowerCase().replace("_", " ")}` +
       (answer.reason ? `: ${answer.reason}` : "")
     : `${answer.experience}, frame ${answer.frame}${position_of(answer)}; confidence ` +
-      fixed(answer.confidence, 2) + (answer.moving ? "" : "; standing"));
+      fixed(answer.confidence, 2) + (answer.basis === "PARKED" ? "; parked" : answer.moving ? "" : "; standing"));
 }
 
 function bar(share, low, high) {

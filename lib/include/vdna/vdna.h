@@ -2,7 +2,7 @@
  *  @brief Onboard experience selection: umbrella header and the conventions of the whole API.
  *
  *  Memory. The C99 part (activation, range, hist, int8, window, emd, explain, rank, knn,
- *  localise, trust, select, health) never allocates.
+ *  localise, trust, select, health, parked) never allocates.
  *  An object with a variable size lives in a block that the caller provides: ask
  *  `vdna_X_mem_size()`, hand the block to `vdna_X_init()`, keep it while the object is in use, and
  *  free it yourself; there is nothing to destroy. Objects that hold resources of the operating
@@ -42,6 +42,7 @@
 #include <vdna/int8.h>
 #include <vdna/knn.h>
 #include <vdna/localise.h>
+#include <vdna/parked.h>
 #include <vdna/range.h>
 #include <vdna/rank.h>
 #include <vdna/select.h>

@@ -49,8 +49,8 @@ ROOMS = {
                        "apps/simulate", "apps/telemetry", "apps/usage", "apps/watch", "lib/backbone", "lib/core",
                        "lib/cpp", "lib/geodesy", "lib/localise", "lib/picture", "lib/transport"]),
     "apps/selectord": (11, ["apps/program", "apps/telemetry", "apps/usage", "lib/backbone", "lib/core", "lib/cpp",
-                            "lib/geodesy", "lib/health", "lib/identity", "lib/map", "lib/select",
-                            "lib/transport"]),
+                            "lib/geodesy", "lib/health", "lib/identity", "lib/map", "lib/picture",
+                            "lib/select", "lib/transport"]),
     "apps/serve": (11, ["apps/program", "apps/telemetry", "apps/usage", "lib/core", "lib/cpp",
                         "lib/map", "lib/picture", "lib/transport"]),
     "apps/manual": (12, ["apps/selectord", "apps/serve", "apps/usage", "apps/vdna", "lib/cpp"]),
@@ -60,7 +60,7 @@ ROOMS = {
 CORE_HEADERS = "activation camera_time emd explain hist image int8 knn pixels range rank status version window"
 HEADERS = {**{name: "lib/core" for name in CORE_HEADERS.split()},
            "experience_localise": "lib/map", "listener": "lib/transport", "map_trust": "lib/map",
-           "message": "lib/transport"}
+           "message": "lib/transport", "parked": "lib/health"}
 UMBRELLA = "vdna"
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)

@@ -1,11 +1,13 @@
 /* Pixels of any shape: they are measured within what their fields say, or refused. Any measures, as
- * another process may send them, are judged, and counts add up.
+ * another process may send them, are judged, and counts add up. No picture is
+ * parked when it comes again.
  *
  * The first 8 bytes are the shape (width, height, padding, channels, order of colours, offset);
  * the rest are the bytes of the pixels, repeated as often as needed. */
 #include <string.h>
 
 #include <vdna/health.h>
+#include <vdna/parked.h>
 
 #include "fuzz.h"
 
@@ -60,7 +62,29 @@ static void measure(vdna_health *health, const uint8_t *bytes, size_t size)
         const uint32_t first = vdna_health_take(health, &picture);
         MUST(vdna_health_take(health, &again) != VDNA_HEALTH_OK || first != VDNA_HEALTH_OK);
     }
+    vdna_parked_picture levels;
+    if (vdna_parked_measure(&pixels, &levels) == VDNA_OK)
+        for (uint32_t i = 0; i < VDNA_PARKED_BLOCKS; i++)
+            MUST(levels.levels[i] <= 25500);
     free(block);
+}
+
+/* Any levels, as another process may send them. */
+static void look_at_any(const uint8_t *bytes, size_t size)
+{
+    vdna_parked parked;
+    vdna_parked_picture picture;
+    MUST(vdna_parked_init(&parked, bytes[0]) == VDNA_OK);
+    MUST(vdna_parked_init(&parked, VDNA_PARKED_LIMIT_MAX + 1 + bytes[0]) == VDNA_ERR_ARG);
+    for (size_t at = 0; at + HEAD <= size; at += HEAD) {
+        for (size_t i = 0; i < VDNA_PARKED_BLOCKS; i++)
+            picture.levels[i] = (uint16_t)(bytes[at + i % HEAD] << bytes[at] % 9);
+        const uint32_t is_parked = vdna_parked_look(&parked, &picture);
+        MUST(!is_parked || (parked.has_reference && parked.noise > 0));
+        if (bytes[at] % 16 != 0)
+            vdna_parked_keep(&parked);
+        MUST(vdna_parked_look(&parked, &picture) == 0);
+    }
 }
 
 static void take_any(vdna_health *health, const uint8_t *bytes, size_t size)
@@ -84,6 +108,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     MUST(vdna_health_init(&health, NULL) == VDNA_OK);
     measure(&health, bytes, size);
     take_any(&health, bytes, size);
+    look_at_any(bytes, size);
     uint64_t frames = 0;
     for (size_t i = 0; i < VDNA_HEALTH_COUNT; i++)
         frames += health.counts[i];

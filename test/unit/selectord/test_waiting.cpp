@@ -228,6 +228,24 @@ void frames_that_their_protection_keeps_out_name_it(void **)
     assert_true(overtaken.verdict.cause == Cause::repeated);
 }
 
+void a_warmup_of_a_robot_that_stands_is_told(void **)
+{
+    Seconds s;
+    s.judge();
+    s.pass(4, [](Facts &facts) {
+        use_frames(facts);
+        facts.parked += 10;
+    });
+    assert_true(s.verdict.cause == Cause::parked);
+    assert_true(s.says("[warmup] distinct"));
+    s.facts.selected = true;
+    s.pass(4, [](Facts &facts) {
+        use_frames(facts);
+        facts.parked += 10;
+    });
+    assert_true(s.verdict.cause == Cause::none);
+}
+
 void in_silence_machines_that_may_not_send_are_told(void **)
 {
     Seconds s;
@@ -489,6 +507,7 @@ int main()
         cmocka_unit_test(listening_begins_before_the_first_word_and_ends_with_the_pictures),
         cmocka_unit_test(messages_of_another_type_are_named_by_fingerprint_and_type),
         cmocka_unit_test(frames_that_their_protection_keeps_out_name_it),
+        cmocka_unit_test(a_warmup_of_a_robot_that_stands_is_told),
         cmocka_unit_test(in_silence_machines_that_may_not_send_are_told),
         cmocka_unit_test(messages_of_the_right_type_are_malformed),
         cmocka_unit_test(oversized_frames_name_the_size_the_limit_and_the_key),

@@ -262,6 +262,39 @@ void where_no_experience_fits_there_is_a_place_and_in_a_changed_map_none(void **
     assert_true(answer.json()["frame"].is_null());
 }
 
+void an_answer_says_what_it_rests_on(void **)
+{
+    Sample<vdna_msg_localisation_t> answer(vdna_message_localisation);
+    answer->frame = 7;
+    answer->validity = VDNA_MSG_LOCALISATION_T_VALID;
+    answer->basis = VDNA_MSG_LOCALISATION_T_SEEN;
+    assert_true(answer.json()["basis"] == "SEEN");
+    assert_true(answer.text().find("parked") == std::string::npos);
+    answer->basis = VDNA_MSG_LOCALISATION_T_PARKED;
+    assert_true(answer.json()["basis"] == "PARKED");
+    assert_true(answer.text().find(", parked") != std::string::npos);
+    answer->basis = VDNA_MSG_LOCALISATION_T_CARRIED;
+    assert_true(answer.json()["basis"] == "CARRIED");
+    assert_true(answer.text().find(", carried on") != std::string::npos);
+    answer->basis = 3;
+    assert_true(answer.json()["basis"] == "UNKNOWN");
+}
+
+void a_status_counts_what_did_not_go_through_the_network(void **)
+{
+    Sample<vdna_msg_status_t> status(vdna_message_status);
+    status->parked = 3;
+    status->carried = 4;
+    status->over_rate = 5;
+    assert_true(status.text().find(", parked 3, carried 4, beyond the rate 5") !=
+                std::string::npos);
+    assert_true(status.json()["parked"] == 3 && status.json()["carried"] == 4 &&
+                status.json()["over_rate"] == 5);
+    status->parked = status->carried = status->over_rate = 0;
+    assert_true(status.text().find("parked") == std::string::npos);
+    assert_true(status.text().find("rate") == std::string::npos);
+}
+
 void every_state_has_a_name_of_its_own(void **)
 {
     std::set<std::string> names;
@@ -355,6 +388,8 @@ int main()
         cmocka_unit_test(a_ranking_says_what_does_not_fit_and_what_would_help),
         cmocka_unit_test(a_ranking_says_why_with_the_neurons_that_tell_its_first_two_apart),
         cmocka_unit_test(where_no_experience_fits_there_is_a_place_and_in_a_changed_map_none),
+        cmocka_unit_test(an_answer_says_what_it_rests_on),
+        cmocka_unit_test(a_status_counts_what_did_not_go_through_the_network),
         cmocka_unit_test(every_state_has_a_name_of_its_own),
         cmocka_unit_test(a_status_says_what_of_the_map_is_not_in_use),
         cmocka_unit_test(the_frames_that_came_too_late_are_shown),

@@ -705,6 +705,7 @@ static void a_published_localisation_passes_the_check_and_decodes_to_itself(void
     assert_true(answer.distance == 0.125);
     assert_true(answer.predicted_recall == 0.5);
     assert_true(answer.predicted_low == 0.25 && answer.predicted_high == 0.75);
+    assert_int_equal(answer.basis, VDNA_MSG_LOCALISATION_T_PARKED);
     assert_int_equal(answer.latency_us, 20000);
     assert_int_equal(answer.skipped, 3);
     vdna_msg_localisation_t_decode_cleanup(&answer);
@@ -730,6 +731,9 @@ static void a_published_status_passes_the_check_and_decodes_to_itself(void **sta
     assert_string_equal(status.backbone, "lite0");
     assert_string_equal(status.version, "0.1.0");
     assert_int_equal(status.received, 100);
+    assert_int_equal(status.parked, 12);
+    assert_int_equal(status.carried, 6);
+    assert_int_equal(status.over_rate, 4);
     assert_int_equal(status.oversized, 1);
     assert_int_equal(status.late, 5);
     assert_memory_equal(&status.inference_time, &sample_status.inference_time,

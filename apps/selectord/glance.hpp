@@ -1,0 +1,29 @@
+// A cheap look at a picture: enough to tell whether the camera still sees what it saw.
+#pragma once
+
+#include <memory>
+
+#include <vdna/parked.h>
+#include <vdna/picture.h>
+
+namespace vdna::selectord
+{
+
+class Glance
+{
+  public:
+    // A picture of more than `max_pixels` pixels is refused. Throws Error.
+    explicit Glance(uint32_t max_pixels);
+
+    // Measure a picture, a JPEG by an eighth of its sides. Returns false if it cannot be decoded:
+    // whoever decodes it in full says why.
+    bool look(const vdna_image &image, vdna_parked_picture &out_picture);
+
+    // Upper bound of the memory that stays with it, beside that of decoding one picture in full.
+    static uint64_t bytes_max(uint32_t max_pixels);
+
+  private:
+    std::unique_ptr<vdna_decoder, decltype(&vdna_decoder_close)> decoder_;
+};
+
+} // namespace vdna::selectord
