@@ -7,7 +7,7 @@ import enum
 import functools
 import os
 from ctypes import POINTER, Structure, c_char, c_char_p, c_double, c_float, c_int32, c_int64
-from ctypes import c_size_t, c_uint32, c_uint64, c_void_p
+from ctypes import c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
 from typing import Any, Dict, Tuple
 
 
@@ -464,6 +464,27 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
             size,
             POINTER(RankPlace),
         ),
+        "vdna_bounds_sum": (POINTER(HistView), address, size, address),
+        "vdna_bounds_mean": (
+            POINTER(HistView),
+            address,
+            POINTER(HistView),
+            address,
+            address,
+            size,
+            POINTER(c_double),
+        ),
+        "vdna_rank_top": (
+            POINTER(HistView),
+            POINTER(HistView),
+            address,
+            c_uint32,
+            c_uint32,
+            address,
+            size,
+            POINTER(RankPlace),
+            POINTER(c_uint8),
+        ),
         "vdna_knn": (address, c_uint32, address, c_uint32, c_uint32, address),
         "vdna_experience_localise_config": (
             POINTER(ExperienceFile),
@@ -574,6 +595,8 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_hist_reset": (None, (POINTER(Hist),)),
         "vdna_hist_view_of": (None, (POINTER(Hist), POINTER(HistView))),
         "vdna_emd_scratch_size": (size, (c_uint32,)),
+        "vdna_bounds_size": (size, (c_uint32, c_uint32)),
+        "vdna_rank_top_scratch_size": (size, (c_uint32, c_uint32)),
         "vdna_localise_map_config_init": (None, (POINTER(LocaliseMapConfig),)),
         "vdna_localise_map_mem_size": (size, (POINTER(LocaliseMapConfig),)),
         "vdna_localise_map_step": (c_double, (address,)),
