@@ -260,6 +260,8 @@ class SelectConfig(Structure):
         ("runs", POINTER(TrustRunFields)),
         ("stop_early", c_uint32),
         ("reselect", c_uint32),
+        ("exact", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 
@@ -628,6 +630,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_select_chosen": (c_uint32, (address,)),
         "vdna_select_margin_bins": (c_double, (address,)),
         "vdna_select_where": (POINTER(SelectPosition), (address,)),
+        "vdna_select_is_bound": (c_uint32, (address, c_uint32)),
         "vdna_select_ranking": (POINTER(RankPlace), (address, POINTER(c_uint32))),
         "vdna_select_ranked_by": (c_uint32, (address,)),
         "vdna_select_trust": (POINTER(TrustAnswerFields), (address,)),
