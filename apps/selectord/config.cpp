@@ -58,7 +58,7 @@ constexpr double nice_max = 19;
 constexpr double tolerance_max = 1e6;
 constexpr double switch_cost_max = 1e6;
 
-const std::array<Setting, 41> settings{{
+const std::array<Setting, 42> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max, "the map: folder of experience files",
      Text::path},
     {"map", "copy", &Config::copy_map, 0, 0,
@@ -89,6 +89,10 @@ const std::array<Setting, 41> settings{{
     {"select", "rank", &Config::rank, 1, path_max,
      "\"transfer\": by predicted recall where labels of the map allow it, else by distance; "
      "\"emd\": by distance"},
+    {"select", "exact_distances", &Config::exact_distances, 0, UINT32_MAX,
+     "this many of the first experiences of the ranking have their distance, the rest a lower "
+     "bound "
+     "of it, which saves time with many experiences; 0: all"},
     {"select", "min_recall", &Config::min_recall, 0, 1,
      "no experience fits if less than this share of right answers is predicted of the best"},
     {"select", "stop_early", &Config::stop_early, 0, 0,

@@ -29,6 +29,7 @@ struct Config {
     double late_seconds = VDNA_TIME_LATE_US_DEFAULT / 1e6;
     uint32_t top = 1;
     std::string rank = "transfer";
+    uint32_t exact_distances = 0; // 0 = all
     double min_recall = 0;
     bool stop_early = true;
     bool reselect = true;
