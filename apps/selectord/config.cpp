@@ -62,7 +62,7 @@ constexpr double every_max = 1e6;
 constexpr double rate_hz_max = 1000;
 constexpr double parked_max = VDNA_PARKED_LIMIT_MAX / 100.0;
 
-const std::array<Setting, 45> settings{{
+const std::array<Setting, 46> settings{{
     {"map", "directory", &Config::map_directory, 1, path_max, "the map: folder of experience files",
      Text::path},
     {"map", "copy", &Config::copy_map, 0, 0,
@@ -96,6 +96,10 @@ const std::array<Setting, 45> settings{{
     {"select", "rank", &Config::rank, 1, path_max,
      "\"transfer\": by predicted recall where labels of the map allow it, else by distance; "
      "\"emd\": by distance"},
+    {"select", "exact_distances", &Config::exact_distances, 0, UINT32_MAX,
+     "this many of the first experiences of the ranking have their distance, the rest a lower "
+     "bound "
+     "of it, which saves time with many experiences; 0: all"},
     {"select", "min_recall", &Config::min_recall, 0, 1,
      "no experience fits if less than this share of right answers is predicted of the best"},
     {"select", "stop_early", &Config::stop_early, 0, 0,

@@ -30,6 +30,7 @@ struct Config {
     bool warmup_distinct = false;
     uint32_t top = 1;
     std::string rank = "transfer";
+    uint32_t exact_distances = 0; // 0 = all
     double min_recall = 0;
     bool stop_early = true;
     bool reselect = true;

@@ -121,7 +121,8 @@ MapSession::MapSession(const Config &config, OpenedMap opened, const vdna_backbo
       localisers_(std::move(opened.localisers)), trust_(*map_, trust_config_of(config)),
       selector_(map_->candidates(), experiences().front().identity.dim, warmup_of(config),
                 config.map_directory, {static_cast<int64_t>(config.late_seconds * 1e6)},
-                localising_of(localisers_, config.top), trusting_of(trust_, config)),
+                localising_of(localisers_, config.top), trusting_of(trust_, config),
+                config.exact_distances),
       projected_(experiences().front().identity.dim), map_hash_(map_->hash()),
       ranking_(*map_, backbone, map_hash_, trust_, config.warmup_frames)
 {

@@ -51,8 +51,8 @@ RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone,
                              uint32_t warmup_frames)
     : trust_(trust), warmup_frames_(static_cast<int>(warmup_frames)),
       experiences_(map.experiences()), names_(experiences_.size()), distances_(experiences_.size()),
-      tied_(experiences_.size()), recalls_(experiences_.size()), lows_(experiences_.size()),
-      highs_(experiences_.size()), transfers_(experiences_.size()),
+      tied_(experiences_.size()), bound_(experiences_.size()), recalls_(experiences_.size()),
+      lows_(experiences_.size()), highs_(experiences_.size()), transfers_(experiences_.size()),
       explainer_(experiences_.front().identity, reasons_most)
 {
     message_.validity = VDNA_MSG_RANKING_T_VALID;
@@ -68,6 +68,7 @@ RankingReport::RankingReport(const Map &map, const vdna_backbone_info &backbone,
     message_.experience = names_.data();
     message_.distance_bins = distances_.data();
     message_.tied = tied_.data();
+    message_.bound = bound_.data();
     message_.predicted_recall = recalls_.data();
     message_.predicted_low = lows_.data();
     message_.predicted_high = highs_.data();
@@ -113,7 +114,7 @@ uint32_t RankingReport::encoded_size() const
 
 size_t RankingReport::memory_size() const
 {
-    return names_.size() * (sizeof(char *) + 5 * sizeof(double) + sizeof(int8_t)) +
+    return names_.size() * (sizeof(char *) + 5 * sizeof(double) + 2 * sizeof(int8_t)) +
            explainer_.memory_size() +
            reason_taps_.size() * (sizeof(char *) + 5 * sizeof(int32_t) + 4 * sizeof(double));
 }
@@ -155,6 +156,7 @@ void RankingReport::fill_entry(const vdna_select &select, size_t at, const vdna_
     names_[at] = borrow(experiences_[entry.candidate].name);
     distances_[at] = entry.distance_bins;
     tied_[at] = static_cast<int8_t>(entry.tied);
+    bound_[at] = static_cast<int8_t>(vdna_select_is_bound(&select, entry.candidate));
     const vdna_trust_prediction *const expected = prediction(select, entry.candidate);
     recalls_[at] = expected ? expected->recall : not_known;
     lows_[at] = expected ? expected->low : not_known;

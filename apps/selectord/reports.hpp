@@ -78,7 +78,7 @@ class RankingReport
     const std::vector<vdna_experience> &experiences_;
     std::vector<char *> names_;
     std::vector<double> distances_;
-    std::vector<int8_t> tied_;
+    std::vector<int8_t> tied_, bound_;
     std::vector<double> recalls_, lows_, highs_, transfers_;
     Explainer explainer_;
     std::vector<char *> reason_taps_;

@@ -220,7 +220,10 @@ std::string text_of(const vdna_msg_ranking_t &message)
         text += format("\n             %s", program::sentence_of(choice_of(message)).data());
     for (int32_t i = 0; i < message.count; i++)
         text += format("\n%11d  %-32s %9.3f bins%s", i + 1, message.experience[i],
-                       message.distance_bins[i], message.tied[i] ? "  tied" : "") +
+                       message.distance_bins[i],
+                       message.tied[i]    ? "  tied"
+                       : message.bound[i] ? "  at least"
+                                          : "") +
                 prediction_text(message.predicted_recall[i], message.predicted_low[i],
                                 message.predicted_high[i]);
     return message.reasons > 0 && message.count > 1 ? text + reasons_text(message) : text;
@@ -319,6 +322,7 @@ nlohmann::ordered_json json_of(const vdna_msg_ranking_t &message)
         entries.push_back({{"experience", message.experience[i]},
                            {"distance_bins", message.distance_bins[i]},
                            {"tied", message.tied[i] != 0},
+                           {"bound", message.bound[i] != 0},
                            {"predicted_recall", message.predicted_recall[i]},
                            {"predicted_low", message.predicted_low[i]},
                            {"predicted_high", message.predicted_high[i]},

@@ -197,7 +197,9 @@ class Candidates
 
     std::string distance_of(const Json &entry) const
     {
-        const std::string bins = fixed(number_of(entry, "distance_bins"), 2);
+        const bool is_bound = telemetry::is_true(entry, "bound");
+        const std::string bins =
+            (is_bound ? "≥" : "") + fixed(number_of(entry, "distance_bins"), 2);
         const bool tied = telemetry::is_true(entry, "tied");
         if (is_wide_)
             return bins + (tied ? " tied" : " bins");

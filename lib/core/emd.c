@@ -2,6 +2,7 @@
 
 #include <vdna/emd.h>
 
+#include "span.h"
 #include "vectorised.h"
 
 /* Working memory, for the neurons of a span. */
@@ -17,8 +18,9 @@ size_t vdna_emd_scratch_size(uint32_t neurons)
     return size <= SIZE_MAX / 2 ? (size_t)size : 0;
 }
 
-static vdna_status check_arguments(const vdna_hist_view *p, const vdna_hist_view *q,
-                                   const void *scratch, size_t scratch_size)
+/* see span.h */
+vdna_status vdna_check_scratch(const vdna_hist_view *p, const vdna_hist_view *q,
+                               const void *scratch, size_t scratch_size)
 {
     if (!scratch || (uintptr_t)scratch % sizeof(int64_t) != 0)
         return VDNA_ERR_ARG;
@@ -29,36 +31,6 @@ static vdna_status check_arguments(const vdna_hist_view *p, const vdna_hist_view
     if (needed == 0 || scratch_size < needed)
         return VDNA_ERR_NOMEM;
     return VDNA_OK;
-}
-
-/* Neighbouring neurons with the same two masses, such as those of one tap. Scaled to the least
- * common multiple of both masses, their cumulative histograms are whole numbers. */
-typedef struct span {
-    size_t first, count;       /* neurons */
-    uint32_t scale_p, scale_q; /* factors for the counts of P and Q */
-    uint64_t mass;             /* the common multiple */
-} span;
-
-static uint32_t greatest_common_divisor(uint32_t a, uint32_t b)
-{
-    while (b != 0) {
-        const uint32_t rest = a % b;
-        a = b;
-        b = rest;
-    }
-    return a;
-}
-
-static span span_from(const vdna_hist_view *p, const vdna_hist_view *q, size_t first)
-{
-    const uint32_t mass_p = p->mass[first], mass_q = q->mass[first];
-    size_t end = first + 1;
-    while (end < p->neurons && p->mass[end] == mass_p && q->mass[end] == mass_q)
-        end++;
-    const uint32_t divisor = greatest_common_divisor(mass_p, mass_q);
-    const span s = {first, end - first, mass_q / divisor, mass_p / divisor,
-                    (uint64_t)mass_p * (mass_q / divisor)};
-    return s;
 }
 
 /* For the proofs of add_row() and add_narrow_row() in test/hostile/proof. `moved` is the amount
@@ -152,7 +124,8 @@ VDNA_VECTORISED static void add_narrow_row(const uint32_t *restrict row_p,
 
 /* The exact sums of a span. Row by row: each row is one vectorised pass over memory. The last bin
  * adds nothing to a sum, because both cumulative histograms end at 1. */
-static void sum_rows(const vdna_hist_view *p, const vdna_hist_view *q, const span *s, const work *w)
+static void sum_rows(const vdna_hist_view *p, const vdna_hist_view *q, const vdna_span *s,
+                     const work *w)
 {
     memset(w->difference, 0, s->count * sizeof *w->difference);
     memset(w->sum, 0, s->count * sizeof *w->sum);
@@ -163,7 +136,7 @@ static void sum_rows(const vdna_hist_view *p, const vdna_hist_view *q, const spa
 
 /* sum_rows() in 32 bits, inside the memory of the 64-bit differences; the sums are widened at the
  * end. */
-static void sum_narrow_rows(const vdna_hist_view *p, const vdna_hist_view *q, const span *s,
+static void sum_narrow_rows(const vdna_hist_view *p, const vdna_hist_view *q, const vdna_span *s,
                             const work *w)
 {
     int32_t *const difference = (int32_t *)(void *)w->difference;
@@ -177,7 +150,7 @@ static void sum_narrow_rows(const vdna_hist_view *p, const vdna_hist_view *q, co
 }
 
 /* A running difference never exceeds the common mass, a sum never that mass times its bins. */
-static vdna_status sum_span(const vdna_hist_view *p, const vdna_hist_view *q, const span *s,
+static vdna_status sum_span(const vdna_hist_view *p, const vdna_hist_view *q, const vdna_span *s,
                             const work *w)
 {
     const uint64_t terms = p->bins - 1;
@@ -190,48 +163,23 @@ static vdna_status sum_span(const vdna_hist_view *p, const vdna_hist_view *q, co
     return VDNA_OK;
 }
 
-/* Integers up to here convert to double without rounding. */
-#define EXACT_DOUBLES ((uint64_t)1 << 53)
-
-/* sum / mass, rounded to nearest. Long division gives 55 bits, the last of which is sticky, so that
- * only the conversion to double rounds. mass is below 2^63. */
-static double long_quotient(uint64_t sum, uint64_t mass)
-{
-    uint64_t whole = sum / mass, rest = sum % mass;
-    double unit = 1;
-    for (; whole < 2 * EXACT_DOUBLES; unit /= 2) { /* NOLINT(cert-flp30-c): always exact */
-        const uint64_t bit = 2 * rest >= mass;
-        whole = 2 * whole + bit;
-        rest = 2 * rest - bit * mass;
-    }
-    return (double)(whole | (rest != 0)) * unit;
-}
-
-/* The fraction, rounded once. */
-static double quotient(uint64_t sum, uint64_t mass)
-{
-    if (sum == 0 || (sum < EXACT_DOUBLES && mass < EXACT_DOUBLES))
-        return (double)sum / (double)mass;
-    return long_quotient(sum, mass);
-}
-
 /* The distances of all neurons, and their sum.
  * @param out_emd_bins  [neurons], or NULL */
 static vdna_status distances(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
                              size_t scratch_size, double *out_emd_bins, double *out_total)
 {
-    vdna_status status = check_arguments(p, q, scratch, scratch_size);
+    vdna_status status = vdna_check_scratch(p, q, scratch, scratch_size);
     if (status != VDNA_OK)
         return status;
     const work w = {scratch, (int64_t *)scratch + p->neurons};
     double total = 0;
     for (size_t first = 0; first < p->neurons;) {
-        const span s = span_from(p, q, first);
+        const vdna_span s = vdna_span_from(p, q, first);
         status = sum_span(p, q, &s, &w);
         if (status != VDNA_OK)
             return status;
         for (size_t n = 0; n < s.count; n++) {
-            const double emd = quotient((uint64_t)w.sum[n], s.mass);
+            const double emd = vdna_quotient((uint64_t)w.sum[n], s.mass);
             if (out_emd_bins)
                 out_emd_bins[first + n] = emd;
             total += emd;

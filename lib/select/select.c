@@ -79,7 +79,7 @@ static vdna_window_config window_config_of(const vdna_select_config *config,
 /* The parts of the caller's block, in order; each size keeps the next part aligned. */
 typedef struct layout {
     size_t select, ranking, views, scratch, leads, answers, predictions; /* bytes of each */
-    size_t of_candidates, likeness, codes, excluded, window;
+    size_t of_candidates, likeness, codes, excluded, is_bound, sums, window;
     size_t total;              /* 0 if the config is invalid */
     vdna_select_config config; /* complete */
 } layout;
@@ -87,6 +87,12 @@ typedef struct layout {
 static size_t aligned(size_t size)
 {
     return (size + sizeof(int64_t) - 1) / sizeof(int64_t) * sizeof(int64_t);
+}
+
+/* Whether a ranking may have bounds. */
+static int has_bounds(const vdna_select_config *config)
+{
+    return config->exact > 0 && config->exact < config->candidate_count;
 }
 
 static layout layout_of(const vdna_select_config *given)
@@ -106,6 +112,10 @@ static layout layout_of(const vdna_select_config *given)
     l.ranking = aligned(sizeof(vdna_rank_entry) * count);
     l.views = aligned(sizeof(vdna_hist_view) * count);
     l.scratch = vdna_emd_scratch_size(shape.neurons);
+    if (has_bounds(config)) {
+        l.scratch = aligned(vdna_rank_top_scratch_size(shape.neurons, window.bins));
+        l.sums = aligned(vdna_bounds_size(shape.neurons, window.bins) * count);
+    }
     if (config->localisers) {
         l.leads = aligned(sizeof(float) * VDNA_LOCALISE_LEAD_FRAMES * (size_t)config->dim);
         l.answers = aligned(sizeof(vdna_localise_answer) * count);
@@ -115,11 +125,12 @@ static layout layout_of(const vdna_select_config *given)
         l.of_candidates = l.likeness = sizeof(double) * count;
         l.codes = aligned(vdna_select_codes(config));
     }
-    l.excluded = aligned(sizeof(uint8_t) * count);
+    l.excluded = l.is_bound = aligned(sizeof(uint8_t) * count);
     l.window = vdna_window_mem_size(&window);
     if (l.window != 0 && l.scratch != 0)
         l.total = l.select + l.ranking + l.views + l.scratch + l.leads + l.answers + l.predictions +
-                  l.of_candidates + l.likeness + l.codes + l.excluded + l.window;
+                  l.of_candidates + l.likeness + l.codes + l.excluded + l.is_bound + l.sums +
+                  l.window;
     return l;
 }
 
@@ -159,6 +170,20 @@ void vdna_select_warm_up_again(vdna_select *select)
     vdna_select_decide(select);
 }
 
+/* What bounds of distances are made of, if there are to be any. */
+static vdna_status sum_candidates(const vdna_select *select)
+{
+    const vdna_hist_view *const views = select->views;
+    const size_t numbers = vdna_bounds_size(views->neurons, views->bins) / sizeof *select->sums;
+    const size_t scratch_size = vdna_emd_scratch_size(views->neurons);
+    vdna_status status = VDNA_OK;
+    for (uint32_t i = 0; select->sums && status == VDNA_OK && i < select->config.candidate_count;
+         i++)
+        status =
+            vdna_bounds_sum(&views[i], select->scratch, scratch_size, select->sums + i * numbers);
+    return status;
+}
+
 /* The next part of the caller's block, which ends at `*end`, and begins there. */
 static void *next_part(unsigned char **end, size_t size)
 {
@@ -195,6 +220,11 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
     s.codes = next_part(&end, l.codes);
     s.excluded = next_part(&end, l.excluded);
     memset(s.excluded, 0, l.excluded);
+    s.is_bound = next_part(&end, l.is_bound);
+    memset(s.is_bound, 0, l.is_bound);
+    s.sums = next_part(&end, l.sums);
+    if (l.sums == 0)
+        s.sums = NULL;
     s.pinned = s.kept = VDNA_SELECT_NONE;
     vdna_activations shape;
     const vdna_window_config window = window_config_of(&l.config, &shape);
@@ -204,6 +234,9 @@ vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t
     vdna_camera_time_init(&s.time, s.config.time_unit, s.config.late_us);
     for (uint32_t i = 0; i < s.config.candidate_count; i++)
         s.views[i] = s.config.candidates[i].dna;
+    status = sum_candidates(&s);
+    if (status != VDNA_OK)
+        return status;
     vdna_select_warm_up_again(&s);
     *out_select = mem;
     **out_select = s;
@@ -221,15 +254,28 @@ void vdna_select_reset(vdna_select *select)
     vdna_camera_time_begin(&select->time);
 }
 
+/* Rank the experiences by distance. What is excluded takes none of the places to have exactly. */
+static vdna_status rank(vdna_select *select, const vdna_hist_view *live)
+{
+    const uint32_t count = select->config.candidate_count;
+    if (!select->sums)
+        return vdna_rank(live, select->views, count, select->scratch,
+                         vdna_emd_scratch_size(live->neurons), select->ranking);
+    uint32_t exact = select->config.exact;
+    for (uint32_t i = 0; i < count; i++)
+        exact += select->excluded[i];
+    return vdna_rank_top(live, select->views, select->sums, count, exact, select->scratch,
+                         vdna_rank_top_scratch_size(live->neurons, live->bins), select->ranking,
+                         select->is_bound);
+}
+
 /* Rank the experiences against the window, and choose the first, or what is held.
  * @param is_early  whether the choice has settled before the window is complete */
 static vdna_status choose(vdna_select *select, int is_early)
 {
     vdna_hist_view live;
     vdna_select_live(select, &live);
-    const vdna_status status =
-        vdna_rank(&live, select->views, select->config.candidate_count, select->scratch,
-                  vdna_emd_scratch_size(live.neurons), select->ranking);
+    const vdna_status status = rank(select, &live);
     if (status != VDNA_OK)
         return status;
     vdna_select_judge(select, is_early);
@@ -458,6 +504,14 @@ const vdna_rank_entry *vdna_select_ranking(const vdna_select *select, uint32_t *
     if (out_count)
         *out_count = is_there ? select->config.candidate_count : 0;
     return is_there ? select->ranking : NULL;
+}
+
+/* see vdna/select.h */
+uint32_t vdna_select_is_bound(const vdna_select *select, uint32_t candidate)
+{
+    return is_ranked(select) && candidate < select->config.candidate_count
+               ? select->is_bound[candidate]
+               : 0;
 }
 
 /* see vdna/select.h */

@@ -11,6 +11,8 @@ struct vdna_select {
     vdna_window *window;
     vdna_hist_view *views;    /* [candidate_count] */
     vdna_rank_entry *ranking; /* [candidate_count], of the newest choice; the chosen is the first */
+    uint8_t *is_bound;        /* [candidate_count], of its distances */
+    uint32_t *sums;           /* of the candidates, for bounds; NULL = all distances are exact */
     void *scratch;
     vdna_camera_time time;
 

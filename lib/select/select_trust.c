@@ -127,13 +127,39 @@ static void order_by_merit(const vdna_select *select)
     }
 }
 
+/* The distances of the first places that have bounds, not counting what is excluded; what has a
+ * bound has a distance. */
+static void make_first_exact(const vdna_select *select)
+{
+    vdna_hist_view live;
+    vdna_select_live(select, &live);
+    const uint32_t count = select->sums ? select->config.candidate_count : 0;
+    uint32_t places = select->config.exact;
+    for (uint32_t i = 0; i < count && places > 0; i++) {
+        vdna_rank_entry *const entry = &select->ranking[i];
+        if (select->is_bound[entry->candidate])
+            vdna_emd_mean(&live, &select->views[entry->candidate], select->scratch,
+                          vdna_emd_scratch_size(live.neurons), &entry->distance_bins);
+        select->is_bound[entry->candidate] = 0;
+        places -= !select->excluded[entry->candidate];
+    }
+}
+
+static int have_same_distance(const vdna_select *select, const vdna_rank_entry *a,
+                              const vdna_rank_entry *b)
+{
+    if (select->is_bound[a->candidate] || select->is_bound[b->candidate])
+        return 0;
+    return a->distance_bins == b->distance_bins;
+}
+
 /* Mark those that only the order of the candidates tells apart. */
 static void mark_ties(const vdna_select *select)
 {
     vdna_rank_entry *const ranking = select->ranking;
     ranking[0].tied = 0;
     for (uint32_t i = 1; i < select->config.candidate_count; i++) {
-        ranking[i].tied = ranking[i].distance_bins == ranking[i - 1].distance_bins &&
+        ranking[i].tied = have_same_distance(select, &ranking[i], &ranking[i - 1]) &&
                           merit_of(select, &ranking[i]) == merit_of(select, &ranking[i - 1]);
         ranking[i - 1].tied |= ranking[i].tied;
     }
@@ -168,6 +194,7 @@ void vdna_select_judge(vdna_select *select, int is_early)
     if (select->ranked_by == VDNA_SELECT_BY_EMD)
         return;
     order_by_merit(select);
+    make_first_exact(select);
     mark_ties(select);
 }
 

@@ -9,6 +9,7 @@ from scene import drive_along
 BINS = 1000
 CANDIDATE_BYTES = 256 << 20  # of different candidates; further ones repeat, to save memory
 LIVE, MAP = 100, 1150  # frames
+TOP = 5  # places of a ranking that are exact
 
 
 def run(context):
@@ -21,6 +22,8 @@ def run(context):
         for count in [2] if small else [4, 100, 1000]:
             if neurons * count < 3e6 or not context.quick:
                 yield emd(context, neurons, count)
+    for neurons, count in [(16, 8)] if small else [(768, 100), (128, 1000)]:
+        yield top_of_ranking(context, neurons, count)
     for rows, dim in [(50, 8)] if small else [(1150, 128), (1150, 768), (100000, 768)]:
         yield nearest(context, rows, dim)
     yield nearest_by_codes(context, *((50, 8) if small else (1150, 1008)))
@@ -139,6 +142,57 @@ def emd(context, neurons, count):
                                 "speedup": theirs["speedup"] * len(used) / done}
     return (f"EMD {neurons} neurons, K={count}", "us/candidate", 1e6, timed,
             {"distinct_candidates": distinct})
+
+
+def bootstraps(neurons, count):
+    """Counts of a warmup, and of candidates as alike as candidates can be: one traversal whose
+    frames change slowly, drawn with replacement."""
+    random = np.random.default_rng(1)
+    steps = random.normal(size=(MAP, neurons))
+    for i in range(1, MAP):
+        steps[i] = 0.95 * steps[i - 1] + 0.31 * steps[i]
+    middle = random.normal(BINS / 2, 60, neurons)
+    places = np.clip(middle + 100 * steps, 0, BINS - 1).astype(int) * neurons + np.arange(neurons)
+
+    def counts_of(frames):
+        counts = np.bincount(places[frames].ravel(), minlength=BINS * neurons)
+        return counts.reshape(BINS, neurons).astype(np.uint32)
+
+    return counts_of(np.arange(MAP // 4, MAP // 4 + LIVE)), [
+        counts_of(random.integers(0, MAP, MAP)) for _ in range(count)]
+
+
+def top_of_ranking(context, neurons, count):
+    """Rank candidates that are hard to tell apart, the first TOP by distance, the rest by bounds."""
+    from libvdna import HistogramView, bound_sums
+    from libvdna._arrays import block
+    from libvdna._library import HistView, RankPlace, c_uint8, lib
+    live_counts, candidate_counts = bootstraps(neurons, count)
+    ranges = np.tile(np.float32([0, 1]), (neurons, 1))
+    live = HistogramView(ranges, live_counts)
+    tables = [HistogramView(ranges, counts) for counts in candidate_counts]
+    sums = np.stack([bound_sums(table) for table in tables])
+    views = (HistView * count)(*[table._view for table in tables])
+    places, all_places = (RankPlace * count)(), (RankPlace * count)()
+    is_bound = (c_uint8 * count)()
+    scratch = block(lib.vdna_rank_top_scratch_size(neurons, BINS))
+
+    def ours():
+        lib.vdna_rank_top(live._view, views, sums.ctypes.data, count, TOP, scratch.ctypes.data,
+                          scratch.nbytes, places, is_bound)
+
+    def whole():
+        lib.vdna_rank(live._view, views, count, scratch.ctypes.data, scratch.nbytes, all_places)
+
+    timed = compare(ours, {"vdna_rank": whole}, context.seconds)
+    assert all(bytes(a) == bytes(b) for a, b in zip(places[:TOP], all_places[:TOP]))
+    distances = {place.candidate: place.distance_bins for place in all_places}
+    shares = [place.distance_bins / distances[place.candidate] for place in places
+              if is_bound[place.candidate]]
+    return (f"top {TOP} of {count}, {neurons} neurons", "ms", 1e3, timed,
+            {"exact_percent": 100 * (count - sum(is_bound)) / count,
+             "bound_over_distance": float(np.mean(shares)) if shares else 1.0,
+             "sums_kib_per_candidate": sums[0].nbytes / 1024})
 
 
 def emd_peers(context, live, used):

@@ -14,6 +14,7 @@
 static char *sample_experiences[] = {"autumn", "snow"};
 static double sample_distances[] = {5.5, 7.25};
 static int8_t sample_tied[] = {0, 1};
+static int8_t sample_bound[] = {1, 0};
 static double sample_recalls[] = {0.75, 0.5};
 static double sample_lows[] = {0.625, 0.375};
 static double sample_highs[] = {0.875, 0.625};
@@ -51,6 +52,7 @@ static const vdna_msg_ranking_t sample_ranking = {
     .experience = sample_experiences,
     .distance_bins = sample_distances,
     .tied = sample_tied,
+    .bound = sample_bound,
     .predicted_recall = sample_recalls,
     .predicted_low = sample_lows,
     .predicted_high = sample_highs,

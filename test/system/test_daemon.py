@@ -77,8 +77,9 @@ class Network(WithConfiguration):
                 return watch
         raise AssertionError(f"frames were skipped even at {RATES[-1]} Hz")
 
-    def by_the_paper(self):
-        return "-c", self.configure("[select]\nrank = 'emd'\nstop_early = false\nreselect = false\n")
+    def by_the_paper(self, more=""):
+        return "-c", self.configure("[select]\nrank = 'emd'\nstop_early = false\n"
+                                    f"reselect = false\n{more}")
 
     def test_says_what_rank_and_localise_say(self):
         said = self.drive("--warmup-frames", WARMUP, *self.by_the_paper())
@@ -109,6 +110,20 @@ class Network(WithConfiguration):
                   "nearest_frame", "distance")
         self.assertEqual([[answer[field] for field in fields] for answer in answers[WARMUP:]],
                          [[match[field] for field in fields] for match in matches])
+
+    def test_places_behind_the_exact_ones_have_bounds(self):
+        said = self.drive("--warmup-frames", WARMUP, *self.by_the_paper("exact_distances = 1\n"))
+        ranked = said.of("ranking")[0]["ranking"]
+        expected = vdna_json("rank", LIVE, MAP, "--warmup", WARMUP)["ranking"]
+        self.assertEqual({key: ranked[0][key] for key in ("experience", "distance_bins", "bound")},
+                         {"experience": expected[0]["experience"], "bound": False,
+                          "distance_bins": expected[0]["distance_bins"]})
+        distances = {entry["experience"]: entry["distance_bins"] for entry in expected}
+        for entry in ranked:
+            distance = distances[entry["experience"]]
+            self.assertTrue(entry["distance_bins"] <= distance if entry["bound"]
+                            else entry["distance_bins"] == distance, entry)
+        self.assertTrue(ranked[-1]["bound"], ranked)
 
     def test_warms_up_for_a_time(self):
         said = self.drive("--warmup-seconds", 1.15, *self.by_the_paper())

@@ -138,7 +138,7 @@ function candidate_buttons(name, {pinned, excluded = []}) {
 function candidate(entry, farthest, chosen, status) {
   const name = make("th", "", make("span", "swatch"), entry.experience);
   name.scope = "row";
-  const distance = make("td", "", fixed(entry.distance_bins, 2) + (entry.tied ? " tied" : ""),
+  const distance = make("td", "", (entry.bound ? "≥ " : "") + fixed(entry.distance_bins, 2) + (entry.tied ? " tied" : ""),
                         bar(entry.distance_bins / farthest));
   const {predicted_recall: recall, predicted_low: low, predicted_high: high} = entry;
   const interval = is_number(low) && is_number(high) ? ` (${fixed(100 * low, 0)}–${fixed(100 * high, 0)})` : "";

@@ -6,7 +6,7 @@
 #ifndef VDNA_RANK_H
 #define VDNA_RANK_H
 
-#include <vdna/emd.h>
+#include <vdna/bounds.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -37,6 +37,31 @@ VDNA_API vdna_status vdna_rank_sort(const double *distance_bins, uint32_t count,
 VDNA_API vdna_status vdna_rank(const vdna_hist_view *live, const vdna_hist_view *candidates,
                                uint32_t count, void *scratch, size_t scratch_size,
                                vdna_rank_entry *out_ranking);
+
+/** Bytes of working memory of vdna_rank_top().
+ *  @param neurons, bins  of the histograms
+ *  @return bytes; 0 if `neurons` or `bins` are out of range or too many to address */
+VDNA_API size_t vdna_rank_top_scratch_size(uint32_t neurons, uint32_t bins);
+
+/** Rank candidates, the nearest of them by their distance and the rest by a lower bound of it.
+ *  The first `exact` places are those of vdna_rank(), with distances and ties. The others follow by
+ *  what is known of each, the bound or, if it was needed, the distance. No candidate whose bound is
+ *  above the distance of place `exact` has its counts read.
+ *  @param live         as for vdna_rank()
+ *  @param candidates   [count]
+ *  @param sums         [count], of each candidate, by vdna_bounds_sum(), one after the other
+ *  @param count        >= 1
+ *  @param exact        places to have exactly, >= 1; count or more = all
+ *  @param scratch      aligned for int64_t, overwritten
+ *  @param scratch_size at least vdna_rank_top_scratch_size()
+ *  @param out_ranking  [count], never tied with a bound; unspecified after an error
+ *  @param out_is_bound [count], by candidate: 1 = `distance_bins` is a lower bound; as many as are
+ *                      0, so many distances were computed; unspecified after an error
+ *  @return VDNA_OK; what vdna_emd() and, of `live`, vdna_bounds_sum() return */
+VDNA_API vdna_status vdna_rank_top(const vdna_hist_view *live, const vdna_hist_view *candidates,
+                                   const uint32_t *sums, uint32_t count, uint32_t exact,
+                                   void *scratch, size_t scratch_size, vdna_rank_entry *out_ranking,
+                                   uint8_t *out_is_bound);
 
 #ifdef __cplusplus
 }

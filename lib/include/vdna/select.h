@@ -42,6 +42,11 @@
  *  by shadow. That one is localised in alone, whatever `top` is, and from the next frame on, also
  *  in WARMUP; the verdict is on it.
  *
+ *  Bounds. With `exact`, a ranking of many candidates computes few distances: those of its first
+ *  places, and what it takes to know that they are the first. It needs sums of each candidate's
+ *  counts, of vdna/bounds.h, 1/25 of these in memory; vdna_select_init() makes them and reads all
+ *  counts. Trust then takes a bound for a distance where there is no other.
+ *
  *  A frame costs a search among all frames of all candidates in WARMUP and NONE_FITS, if there is
  *  trust, and a step of every localiser with `reselect` and in NONE_FITS. Without trust all is as
  *  in the definition.
@@ -139,6 +144,10 @@ typedef struct vdna_select_config {
                               as always without trust; default 0 */
     uint32_t reselect;   /**< 1: reconsider the choice while driving; needs trust and localisers;
                               default 0 */
+    uint32_t exact; /**< places of a ranking that have the distance, the rest a lower bound of it:
+                         see vdna_select_is_bound(); 0 (default), or all candidates and more =
+                         all */
+    uint32_t reserved; /**< 0 */
 } vdna_select_config;
 
 /** One live frame. Nothing is kept after the call. */
@@ -201,7 +210,8 @@ VDNA_API size_t vdna_select_mem_size(const vdna_select_config *config);
  *  @param mem_size  at least vdna_select_mem_size()
  *  @param out_select  the selector, at the beginning of `mem`
  *  @return VDNA_OK; VDNA_ERR_ARG for a bad config or alignment; VDNA_ERR_NOMEM if too small;
- *          VDNA_ERR_MISMATCH or VDNA_ERR_EMPTY if the candidates do not compare with one another */
+ *          VDNA_ERR_MISMATCH or VDNA_ERR_EMPTY if the candidates do not compare with one another;
+ *          with `exact` VDNA_ERR_OVERFLOW as vdna_bounds_sum() */
 VDNA_API vdna_status vdna_select_init(const vdna_select_config *config, void *mem, size_t mem_size,
                                       vdna_select **out_select);
 
@@ -324,6 +334,13 @@ VDNA_API uint32_t vdna_select_is_lost(const vdna_select *select);
  *          to the window of the warmup; `tied` says that only the order of the candidates told two
  *          apart. Borrowed until the next call that changes the selector; NULL in state WARMUP */
 VDNA_API const vdna_rank_entry *vdna_select_ranking(const vdna_select *select, uint32_t *out_count);
+
+/** Tell whether the ranking has a lower bound of a candidate's distance. A switch or a command may
+ *  bring such a candidate to the front.
+ *  @param select     NULL gives 0
+ *  @param candidate  index
+ *  @return 1 if so; 0 if it has the distance, in state WARMUP, and if there is no such candidate */
+VDNA_API uint32_t vdna_select_is_bound(const vdna_select *select, uint32_t candidate);
 
 /** Tell what ordered the ranking; a switch has moved its choice to the front since.
  *  @param select  NULL gives VDNA_SELECT_BY_EMD

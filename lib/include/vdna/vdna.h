@@ -34,6 +34,7 @@
 #define VDNA_VDNA_H
 
 #include <vdna/activation.h>
+#include <vdna/bounds.h>
 #include <vdna/camera_time.h>
 #include <vdna/emd.h>
 #include <vdna/explain.h>

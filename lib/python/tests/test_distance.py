@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from conftest import histogram_of
 
-from libvdna import Histogram, HistogramView, Status, VdnaError, emd, emd_mean, nearest, rank
+from libvdna import Histogram, HistogramView, Status, VdnaError, bound_sums, emd, emd_bound
+from libvdna import emd_mean, nearest, rank, rank_top
 
 
 def exact_emd(p, q):
@@ -45,6 +46,39 @@ def test_a_ranking_is_sorted_and_marks_ties(unit_range):
     places = rank(live, [a, b, c])
     assert [(p.candidate, p.tied) for p in places] == [(1, True), (2, True), (0, False)]
     assert [p.distance_bins for p in places] == [0, 0, emd_mean(live, a)]
+
+
+def test_bounds_never_pass_the_distance_and_find_the_top_of_a_ranking(random, unit_range):
+    live, *candidates = (
+        HistogramView(unit_range, np.roll(random.integers(0, 9, (60, 3)) ** 3, shift, axis=0))
+        for shift in (0, 30, 1, 20, 0, 10)
+    )
+    sums = [bound_sums(candidate) for candidate in candidates]
+    assert sums[0].shape == (3, 3)
+    cumulative = candidates[0].counts.cumsum(axis=0)
+    assert sums[0][0].tolist() == cumulative[:25].sum(axis=0).tolist()
+    assert sums[0][2].tolist() == cumulative[50:59].sum(axis=0).tolist()
+    whole, (top, is_bound) = rank(live, candidates), rank_top(live, candidates, sums, 2)
+    assert top[:2] == whole[:2]
+    assert sorted(place.candidate for place in top) == [0, 1, 2, 3, 4]
+    for distance, candidate, _ in top:
+        bound = emd_bound(live, bound_sums(live), candidates[candidate], sums[candidate])
+        exact = emd_mean(live, candidates[candidate])
+        assert 0 < bound <= exact
+        assert distance == (bound if is_bound[candidate] else exact)
+    assert rank_top(live, candidates, sums, 5) == (whole, [False] * 5)
+
+
+def test_sums_of_another_shape_are_refused(unit_range):
+    one = histogram_of([[0, 0, 0]], unit_range)
+    other = histogram_of([[0, 0, 0]], unit_range, 60)
+    refused(Status.ARG, rank_top, one, [], [], 1)
+    for sums in ([], [bound_sums(one)[:, :2]], [bound_sums(other)]):
+        with pytest.raises(ValueError, match="sums"):
+            rank_top(one, [one], sums, 1)
+    with pytest.raises(ValueError, match="exact is 0"):
+        rank_top(one, [one], [bound_sums(one)], 0)
+    refused(Status.MISMATCH, rank_top, one, [other], [bound_sums(other)], 1)
 
 
 def test_what_does_not_compare_is_refused(unit_range):

@@ -65,6 +65,17 @@ def test_it_warms_up_chooses_and_localises(candidates, unit_range):
     assert (selector.window_frames, selector.window_utime) == (0, None)
 
 
+def test_places_beyond_the_exact_ones_have_bounds(candidates):
+    for exact, is_bound in ((0, False), (1, True), (2, False)):
+        selector = Selector(candidates, warmup_frames=1, exact=exact)
+        assert not selector.is_bound(0)
+        selector.feed(0, [1, 0], BRIGHT)
+        assert [entry.candidate for entry in selector.ranking] == [1, 0]
+        assert (selector.is_bound(1), selector.is_bound(0)) == (False, is_bound)
+        with pytest.raises(ValueError, match="candidate is 2"):
+            selector.is_bound(2)
+
+
 def on_circle(turns):
     return np.array([np.cos(2 * np.pi * turns), np.sin(2 * np.pi * turns)], np.float32)
 

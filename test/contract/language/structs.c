@@ -187,6 +187,8 @@ static void print_select(void)
     FIELD(vdna_select_config, runs);
     FIELD(vdna_select_config, stop_early);
     FIELD(vdna_select_config, reselect);
+    FIELD(vdna_select_config, exact);
+    FIELD(vdna_select_config, reserved);
 
     STRUCT(vdna_select_position);
     FIELD(vdna_select_position, candidate);

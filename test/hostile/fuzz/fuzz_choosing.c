@@ -36,6 +36,7 @@ typedef struct machine {
     void *trust_mem;
     vdna_trust *trust;              /* of the selector; NULL = none */
     int has_excluded, has_included; /* ever */
+    int has_bounds;                 /* whether a ranking may have them */
     uint64_t fed;
     int64_t stamp;
 } machine;
@@ -343,6 +344,7 @@ static void make_select(calls *c, machine *m)
     config.rank = below(c, 3) + (seldom(c, 32) ? any_count(c, 0) : 0);
     config.stop_early = below(c, 2);
     config.reselect = below(c, 2);
+    config.exact = below(c, CANDIDATES + 1);
     const size_t size = vdna_select_mem_size(&config);
     if (size > SIZE_TRIED)
         return;
@@ -354,6 +356,7 @@ static void make_select(calls *c, machine *m)
     if (config.dim != DIM) /* nobody can check the length of our embeddings */
         drop_select(m);
     m->count = config.candidate_count;
+    m->has_bounds = config.exact > 0;
     m->localises = config.localisers != NULL;
     m->has_excluded = m->has_included = 0;
     m->fed = 0;
@@ -367,6 +370,8 @@ static void check_ranking(const machine *m)
     for (uint32_t i = 0; i < count; i++)
         found |= 1u << ranking[i].candidate;
     MUST(found == (1u << count) - 1);
+    for (uint32_t i = 0; i <= count; i++)
+        MUST(vdna_select_is_bound(m->select, i) <= (i < count && m->has_bounds));
     const uint32_t pinned = vdna_select_pinned(m->select), chosen = vdna_select_chosen(m->select);
     MUST(!vdna_select_is_excluded(m->select, ranking[0].candidate));
     MUST(chosen == (pinned == VDNA_SELECT_NONE ? ranking[0].candidate : pinned) ||

@@ -1,6 +1,6 @@
-/* Any sequence of calls that count and compare: ranges, histograms, windows, distances, rankings,
- * their reasons, nearest neighbours, 8-bit codes and camera time. Masses are conserved, and errors
- * change nothing.
+/* Any sequence of calls that count and compare: ranges, histograms, windows, distances and their
+ * bounds, rankings, their reasons, nearest neighbours, 8-bit codes and camera time. Masses are
+ * conserved, and errors change nothing.
  */
 #include <vdna/camera_time.h>
 #include <vdna/explain.h>
@@ -270,6 +270,45 @@ static void check_ranking(const vdna_rank_entry *ranking, uint32_t count)
     MUST(found == (1u << count) - 1);
 }
 
+/* The block sums of all, one after the other.
+ * @param views  of one shape, none empty */
+static uint32_t *sums_of(const vdna_hist_view *views, uint32_t count)
+{
+    const size_t size = vdna_bounds_size(views[0].neurons, views[0].bins);
+    const size_t scratch_size = vdna_emd_scratch_size(views[0].neurons);
+    uint32_t *sums = block_of(size * count);
+    void *scratch = block_of(scratch_size);
+    for (uint32_t i = 0; i < count; i++)
+        MUST(vdna_bounds_sum(&views[i], scratch, scratch_size, sums + i * (size / sizeof *sums)) ==
+             VDNA_OK);
+    free(scratch);
+    return sums;
+}
+
+/* @param ranking  of vdna_rank() */
+static void check_top(const vdna_hist_view *live, const vdna_hist_view *views, uint32_t count,
+                      uint32_t exact, const vdna_rank_entry *ranking)
+{
+    const size_t size = vdna_rank_top_scratch_size(live->neurons, live->bins);
+    const size_t numbers = vdna_bounds_size(live->neurons, live->bins) / sizeof(uint32_t);
+    void *scratch = block_of(size);
+    uint32_t *sums = sums_of(views, count), *live_sums = sums_of(live, 1);
+    vdna_rank_entry top[HISTS];
+    uint8_t is_bound[HISTS];
+    MUST(vdna_rank_top(live, views, sums, count, exact, scratch, size, top, is_bound) ==
+         (exact == 0 ? VDNA_ERR_ARG : VDNA_OK));
+    for (uint32_t i = 0; i < count && i < exact; i++)
+        MUST(memcmp(&top[i], &ranking[i], sizeof *top) == 0 && !is_bound[top[i].candidate]);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t candidate = ranking[i].candidate;
+        double bound = -1;
+        MUST(vdna_bounds_mean(live, live_sums, &views[candidate], sums + candidate * numbers,
+                              scratch, size, &bound) == VDNA_OK);
+        MUST(bound >= 0 && bound <= ranking[i].distance_bins);
+    }
+    free(scratch), free(sums), free(live_sums);
+}
+
 static void compare(calls *c, machine *m)
 {
     const counted *live = a_hist(c, m);
@@ -286,8 +325,10 @@ static void compare(calls *c, machine *m)
         }
     const size_t size = vdna_emd_scratch_size(p.neurons);
     void *scratch = block_of(size);
-    if (vdna_rank(&p, views, count, scratch, size, ranking) == VDNA_OK)
+    if (vdna_rank(&p, views, count, scratch, size, ranking) == VDNA_OK) {
         check_ranking(ranking, count);
+        check_top(&p, views, count, below(c, HISTS + 2), ranking);
+    }
     free(scratch);
 }
 

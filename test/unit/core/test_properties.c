@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include <vdna/emd.h>
+#include <vdna/rank.h>
 
 #include "cmocka_all.h"
 
@@ -223,6 +223,96 @@ static void the_distance_is_zero_if_and_only_if_the_shares_are_equal(void **stat
     assert_true(zeros > CASES);
 }
 
+/* ---- Bounds ---- */
+
+enum { CANDIDATES = 6, SUMS_MOST = NEURONS_MOST * (BINS_MOST / 25) };
+
+static int64_t scratch[2 * NEURONS_MOST + SUMS_MOST / 2];
+static dna live, candidates[CANDIDATES];
+static uint32_t sums[CANDIDATES * SUMS_MOST];
+static size_t sums_size; /* bytes of one */
+
+/* Candidates near one another, some the same. */
+static void random_candidates(void)
+{
+    random_shape();
+    const uint32_t mass = random_below(2) ? SMALL_MASS : 90000000, width = 1 + random_below(bins);
+    random_dna(&live, bins, mass);
+    sums_size = vdna_bounds_size(neurons, bins);
+    for (uint32_t i = 0; i < CANDIDATES; i++) {
+        random_dna(&candidates[i], width, mass);
+        if (random_below(3) == 0)
+            candidates[i] = candidates[random_below(i + 1)];
+        const vdna_hist_view view = view_of(&candidates[i]);
+        CHECK(vdna_bounds_sum(&view, scratch, sizeof scratch,
+                              sums + i * (sums_size / sizeof *sums)) == VDNA_OK);
+    }
+}
+
+static void a_bound_never_passes_the_distance(void **state)
+{
+    (void)state;
+    uint32_t below = 0;
+    for (uint32_t c = 0; c < CASES; c++) {
+        begin_case(c);
+        random_candidates();
+        const uint32_t *const second = sums + sums_size / sizeof *sums;
+        const vdna_hist_view p = view_of(&candidates[0]), q = view_of(&candidates[1]);
+        double bound = -1, distance = -1;
+        CHECK(vdna_bounds_mean(&p, sums, &q, second, scratch, sizeof scratch, &bound) == VDNA_OK);
+        CHECK(vdna_emd_mean(&p, &q, scratch, sizeof scratch, &distance) == VDNA_OK);
+        CHECK(bound >= 0 && bound <= distance);
+        below += bound < distance;
+    }
+    assert_true(below > CASES / 10 && below < CASES);
+}
+
+/* How many distances vdna_rank_top() computed, `ranking` being of vdna_rank(). */
+static uint32_t check_top(const vdna_hist_view *views, uint32_t exact,
+                          const vdna_rank_entry *ranking)
+{
+    const vdna_hist_view view = view_of(&live);
+    vdna_rank_entry top[CANDIDATES];
+    uint8_t is_bound[CANDIDATES];
+    CHECK(vdna_rank_top(&view, views, sums, CANDIDATES, exact, scratch, sizeof scratch, top,
+                        is_bound) == VDNA_OK);
+    uint32_t found = 0, computed = 0;
+    for (uint32_t i = 0; i < CANDIDATES; i++) {
+        double distance = -1;
+        CHECK(vdna_emd_mean(&view, &views[top[i].candidate], scratch, sizeof scratch, &distance) ==
+              VDNA_OK);
+        CHECK(is_bound[top[i].candidate] ? top[i].distance_bins <= distance && !top[i].tied
+                                         : top[i].distance_bins == distance);
+        CHECK(i == 0 || top[i - 1].distance_bins <= top[i].distance_bins);
+        if (i < exact)
+            CHECK(memcmp(&top[i], &ranking[i], sizeof *top) == 0 && !is_bound[top[i].candidate]);
+        found |= 1u << top[i].candidate;
+        computed += !is_bound[top[i].candidate];
+    }
+    CHECK(found == (1u << CANDIDATES) - 1);
+    return computed;
+}
+
+static void the_top_of_a_ranking_is_that_of_the_whole(void **state)
+{
+    (void)state;
+    uint32_t computed = 0, computed_of_all = 0;
+    for (uint32_t c = 0; c < CASES; c++) {
+        begin_case(c);
+        random_candidates();
+        const vdna_hist_view view = view_of(&live);
+        vdna_hist_view views[CANDIDATES];
+        for (uint32_t i = 0; i < CANDIDATES; i++)
+            views[i] = view_of(&candidates[i]);
+        vdna_rank_entry ranking[CANDIDATES];
+        CHECK(vdna_rank(&view, views, CANDIDATES, scratch, sizeof scratch, ranking) == VDNA_OK);
+        computed += check_top(views, 1 + random_below(3), ranking);
+        computed_of_all += check_top(views, CANDIDATES + random_below(2), ranking);
+    }
+    assert_int_equal(computed_of_all, CASES * CANDIDATES);
+    assert_true(computed < computed_of_all / 4 * 3);
+}
+
 /* ---- Histograms of frames ---- */
 
 enum { FRAMES_MOST = 12, SAMPLES_MOST = 6, HIST_BINS_MOST = 33 };
@@ -388,6 +478,8 @@ int main(void)
         cmocka_unit_test(the_distance_is_symmetric),
         cmocka_unit_test(the_triangle_inequality_holds),
         cmocka_unit_test(the_distance_is_zero_if_and_only_if_the_shares_are_equal),
+        cmocka_unit_test(a_bound_never_passes_the_distance),
+        cmocka_unit_test(the_top_of_a_ranking_is_that_of_the_whole),
         cmocka_unit_test(merging_commutes_and_associates_and_subtracting_undoes_it),
         cmocka_unit_test(the_order_of_frames_and_their_division_into_parts_change_nothing),
         cmocka_unit_test(how_samples_are_batched_and_laid_out_changes_nothing),

@@ -533,6 +533,58 @@ static void the_block_may_not_be_a_byte_too_small_nor_misaligned(void **state)
     assert_int_equal(vdna_select_init(&config, block, size, &select), VDNA_OK);
 }
 
+static void places_beyond_the_exact_ones_have_bounds(void **state)
+{
+    (void)state;
+    vdna_select_config config = by_frames(1);
+    const size_t size = vdna_select_mem_size(&config);
+    config.exact = 2; /* all */
+    assert_int_equal(vdna_select_mem_size(&config), size);
+    vdna_select *select = selector(config);
+    feed(select, 100, 1.5f, 5);
+    assert_int_equal(vdna_select_is_bound(select, 0) + vdna_select_is_bound(select, 1), 0);
+
+    config.exact = 1;
+    assert_true(vdna_select_mem_size(&config) > size);
+    assert_int_equal(vdna_select_init(&config, block, vdna_select_mem_size(&config) - 1, &select),
+                     VDNA_ERR_NOMEM);
+    select = selector(config);
+    assert_int_equal(vdna_select_is_bound(select, 1), 0);
+    feed(select, 100, 1.5f, 5);
+    const vdna_rank_entry *ranking = vdna_select_ranking(select, NULL);
+    assert_int_equal(ranking[0].candidate, 0);
+    assert_true(ranking[0].distance_bins == 1 && ranking[1].distance_bins == 2);
+    assert_int_equal(vdna_select_is_bound(select, 0), 0);
+    assert_int_equal(vdna_select_is_bound(select, 1), 1);
+    assert_int_equal(vdna_select_is_bound(select, 2), 0);
+    assert_int_equal(vdna_select_is_bound(NULL, 1), 0);
+}
+
+static void what_is_excluded_takes_no_exact_place(void **state)
+{
+    (void)state;
+    vdna_select_config config = by_frames(1);
+    config.exact = 1;
+    vdna_select *select = selector(config);
+    assert_int_equal(vdna_select_exclude(select, 0, 1), VDNA_OK);
+    feed(select, 100, 1.5f, 5);
+    assert_int_equal(vdna_select_chosen(select), 1);
+    assert_int_equal(vdna_select_is_bound(select, 1), 0);
+}
+
+static void a_candidate_too_large_for_bounds_is_refused(void **state)
+{
+    (void)state;
+    const uint32_t counts[BINS] = {UINT32_MAX / 3 + 1}, mass = counts[0];
+    const vdna_select_candidate large[] = {candidates[0],
+                                           {{range, counts, &mass, 1, BINS}, low_embeddings, 3, 0}};
+    vdna_select_config config = by_frames(1);
+    config.candidates = large;
+    vdna_select *select = selector(config);
+    config.exact = 1;
+    assert_int_equal(vdna_select_init(&config, block, sizeof block, &select), VDNA_ERR_OVERFLOW);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -563,6 +615,9 @@ int main(void)
         cmocka_unit_test(a_candidate_without_samples_is_refused_at_init),
         cmocka_unit_test(exactly_one_kind_of_warmup_must_be_given),
         cmocka_unit_test(the_block_may_not_be_a_byte_too_small_nor_misaligned),
+        cmocka_unit_test(places_beyond_the_exact_ones_have_bounds),
+        cmocka_unit_test(what_is_excluded_takes_no_exact_place),
+        cmocka_unit_test(a_candidate_too_large_for_bounds_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -450,6 +450,57 @@ static void of_the_same_transfer_the_nearer_is_first_and_only_the_same_distance_
     }
 }
 
+/* Everyone does well in the first, less so in the second, badly in the third, and all are so far
+ * apart that each has a say. */
+static void make_favourites(void)
+{
+    static const double recalls[] = {1, 0.6, 0};
+    make_map(3);
+    for (uint32_t i = 0; i < 9; i++)
+        for (uint32_t w = 0; w < WINDOWS; w++) {
+            map.cells[i].recall[w] = recalls[i % 3];
+            map.cells[i].distance[w] *= 100;
+        }
+    make_trust(3, 0);
+}
+
+static void the_first_by_transfer_has_its_distance_though_others_are_nearer(void **state)
+{
+    (void)state;
+    make_favourites();
+    vdna_select_config config = config_of(3, 5);
+    config.rank = VDNA_SELECT_BY_TRANSFER;
+    for (config.exact = 1; config.exact <= 3; config.exact += 2) {
+        vdna_select *select = made(&config);
+        feed_many(select, 5, 2.1, 2);
+        const vdna_rank_entry *ranking = vdna_select_ranking(select, NULL);
+        assert_int_equal(vdna_select_ranked_by(select), VDNA_SELECT_BY_TRANSFER);
+        for (uint32_t i = 0; i < 3; i++) {
+            assert_int_equal(ranking[i].candidate, i);
+            assert_true(ranking[i].distance_bins == 2 - i);
+            assert_int_equal(vdna_select_is_bound(select, i), config.exact == 1 && i == 1);
+        }
+    }
+}
+
+static void a_bound_ties_with_nothing(void **state)
+{
+    (void)state;
+    make_map(4);
+    set_recall(4, 1, 1);
+    make_trust(4, 0);
+    vdna_select_config config = config_of(4, 4);
+    config.rank = VDNA_SELECT_BY_TRANSFER;
+    config.exact = 1;
+    vdna_select *select = made(&config);
+    feed_many(select, 4, 1.5, 2);
+    const vdna_rank_entry *ranking = vdna_select_ranking(select, NULL);
+    assert_int_equal(ranking[1].candidate, 1);
+    assert_int_equal(ranking[2].candidate, 3);
+    assert_int_equal(vdna_select_is_bound(select, 1) + vdna_select_is_bound(select, 3), 2);
+    assert_int_equal(ranking[1].tied + ranking[2].tied, 0);
+}
+
 static void without_labels_the_distance_ranks(void **state)
 {
     (void)state;
@@ -649,6 +700,8 @@ int main(void)
         cmocka_unit_test(while_none_fits_every_warmup_is_whole),
         cmocka_unit_test(a_ranking_by_transfer_puts_first_who_did_well_for_the_like),
         cmocka_unit_test(of_the_same_transfer_the_nearer_is_first_and_only_the_same_distance_ties),
+        cmocka_unit_test(the_first_by_transfer_has_its_distance_though_others_are_nearer),
+        cmocka_unit_test(a_bound_ties_with_nothing),
         cmocka_unit_test(without_labels_the_distance_ranks),
         cmocka_unit_test(trust_does_not_change_what_distance_ranks),
         cmocka_unit_test(the_last_layer_judges_if_all_runs_have_it),

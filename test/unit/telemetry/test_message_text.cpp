@@ -175,7 +175,7 @@ void fill_ranking(Sample<vdna_msg_ranking_t> &ranking)
     ranking->margin_bins = 1.75;
     ranking->count = 1;
     ranking->distance_bins[0] = 5.5;
-    ranking->tied[0] = 0;
+    ranking->tied[0] = ranking->bound[0] = 0;
     ranking->predicted_recall[0] = 0.75;
     ranking->predicted_low[0] = 0.5;
     ranking->predicted_high[0] = 1;
@@ -196,6 +196,10 @@ void a_ranking_says_by_what_it_ranks_and_what_to_expect(void **)
     assert_true(ranking.text().find("; no prediction: why\n") != std::string::npos);
     set_text(ranking->previous, "snow");
     assert_true(ranking.text().find(" in place of snow, ") != std::string::npos);
+    assert_true(ranking.json()["ranking"][0]["bound"] == false);
+    ranking->bound[0] = 1;
+    assert_true(ranking.json()["ranking"][0]["bound"] == true);
+    assert_true(ranking.text().find(" 5.500 bins  at least, predicted") != std::string::npos);
     ranking->repeated = 0;
     assert_true(ranking.json()["repeated"] == false);
     ranking->repeated = 1;

@@ -672,6 +672,7 @@ static void a_published_ranking_passes_the_check_and_decodes_to_itself(void **st
     assert_string_equal(ranking.experience[1], "snow");
     assert_memory_equal(ranking.distance_bins, sample_distances, sizeof sample_distances);
     assert_memory_equal(ranking.tied, sample_tied, sizeof sample_tied);
+    assert_memory_equal(ranking.bound, sample_bound, sizeof sample_bound);
     assert_memory_equal(ranking.predicted_recall, sample_recalls, sizeof sample_recalls);
     assert_string_equal(ranking.ranked_by, "transfer");
     assert_string_equal(ranking.verdict, "poor");

@@ -163,6 +163,7 @@ Json many(int count)
         large["ranking"].push_back({{"experience", "drive " + std::to_string(i)},
                                     {"distance_bins", 10 + i},
                                     {"tied", false},
+                                    {"bound", i >= 5},
                                     {"predicted_recall", 0.5}});
     return large;
 }
@@ -175,7 +176,10 @@ void of_a_hundred_candidates_the_first_are_shown_and_the_chosen_one(void **)
     expect_contains(text, "  winter");
     expect_contains(text, "> drive 99");
     assert_false(contains(text, "  drive 99"));
-    expect_contains(shown(newest, {80, 120}), "  drive 98");
+    const std::string all = shown(newest, {80, 120});
+    expect_contains(all, "  drive 98");
+    expect_contains(all, " 14.00 ");
+    expect_contains(all, " ≥15.00 ");
 }
 
 void every_window_is_kept_to(void **)

@@ -67,10 +67,11 @@ class Selector
      *  @param where  names the map in the error
      *  @param stamps  of the frames
      *  @param localising  in the experiences
-     *  @param trusting  in the choice among them */
+     *  @param trusting  in the choice among them
+     *  @param exact  places of a ranking that have the distance; 0 = all */
     Selector(std::vector<vdna_select_candidate> candidates, uint32_t dim, const Warmup &warmup,
              const std::string &where, const Stamps &stamps = {}, Localising localising = {},
-             const Trusting &trusting = {})
+             const Trusting &trusting = {}, uint32_t exact = 0)
         : candidates_(std::move(candidates)), localisers_(std::move(localising.by))
     {
         vdna_select_config config;
@@ -90,6 +91,7 @@ class Selector
         config.rank = trusting.rank;
         config.stop_early = trusting.stop_early ? 1 : 0;
         config.reselect = trusting.reselect ? 1 : 0;
+        config.exact = exact;
         const size_t size = vdna_select_mem_size(&config);
         memory_.resize(size / sizeof(int64_t) + 1);
         const vdna_status status = vdna_select_init(&config, memory_.data(), size, &select_);

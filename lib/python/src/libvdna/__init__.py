@@ -21,7 +21,7 @@ Units. Distances of histograms are in bins; times are integers of microseconds.
 from ._library import Status, VdnaError, version
 from .activations import FeatureMap
 from .backbone import Backbone, BackboneFrame, BackboneInfo, NamedTap
-from .distance import RankEntry, emd, emd_mean, rank
+from .distance import RankEntry, bound_sums, emd, emd_bound, emd_mean, rank, rank_top
 from .experience import PLACE_NONE, Experience, open_map
 from .histogram import Histogram, HistogramView
 from .identity import Identity, TapShape, clean_name, format_taps, parse_taps
@@ -70,14 +70,17 @@ __all__ = [
     "TrustTables",
     "VdnaError",
     "Verdict",
+    "bound_sums",
     "clean_name",
     "emd",
+    "emd_bound",
     "emd_mean",
     "format_taps",
     "nearest",
     "open_map",
     "parse_taps",
     "rank",
+    "rank_top",
     "trust_tables",
     "trust_windows",
 ]

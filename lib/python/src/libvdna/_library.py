@@ -7,7 +7,7 @@ import enum
 import functools
 import os
 from ctypes import POINTER, Structure, c_char, c_char_p, c_double, c_float, c_int32, c_int64
-from ctypes import c_size_t, c_uint32, c_uint64, c_void_p
+from ctypes import c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
 from typing import Any, Dict, Tuple
 
 
@@ -261,6 +261,8 @@ class SelectConfig(Structure):
         ("runs", POINTER(TrustRunFields)),
         ("stop_early", c_uint32),
         ("reselect", c_uint32),
+        ("exact", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 
@@ -465,6 +467,27 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
             size,
             POINTER(RankPlace),
         ),
+        "vdna_bounds_sum": (POINTER(HistView), address, size, address),
+        "vdna_bounds_mean": (
+            POINTER(HistView),
+            address,
+            POINTER(HistView),
+            address,
+            address,
+            size,
+            POINTER(c_double),
+        ),
+        "vdna_rank_top": (
+            POINTER(HistView),
+            POINTER(HistView),
+            address,
+            c_uint32,
+            c_uint32,
+            address,
+            size,
+            POINTER(RankPlace),
+            POINTER(c_uint8),
+        ),
         "vdna_knn": (address, c_uint32, address, c_uint32, c_uint32, address),
         "vdna_knn_encode": (address, c_uint32, c_uint32, address, size),
         "vdna_knn_nearest": (address, c_uint32, address, c_uint32, address, address),
@@ -577,6 +600,8 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_hist_reset": (None, (POINTER(Hist),)),
         "vdna_hist_view_of": (None, (POINTER(Hist), POINTER(HistView))),
         "vdna_emd_scratch_size": (size, (c_uint32,)),
+        "vdna_bounds_size": (size, (c_uint32, c_uint32)),
+        "vdna_rank_top_scratch_size": (size, (c_uint32, c_uint32)),
         "vdna_localise_map_config_init": (None, (POINTER(LocaliseMapConfig),)),
         "vdna_localise_map_mem_size": (size, (POINTER(LocaliseMapConfig),)),
         "vdna_localise_map_step": (c_double, (address,)),
@@ -609,6 +634,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_select_chosen": (c_uint32, (address,)),
         "vdna_select_margin_bins": (c_double, (address,)),
         "vdna_select_where": (POINTER(SelectPosition), (address,)),
+        "vdna_select_is_bound": (c_uint32, (address, c_uint32)),
         "vdna_select_ranking": (POINTER(RankPlace), (address, POINTER(c_uint32))),
         "vdna_select_ranked_by": (c_uint32, (address,)),
         "vdna_select_trust": (POINTER(TrustAnswerFields), (address,)),

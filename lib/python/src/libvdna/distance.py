@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ctypes import c_double
-from typing import Iterable, List, NamedTuple, Sequence
+from ctypes import c_double, c_uint8
+from typing import Iterable, List, NamedTuple, Sequence, SupportsIndex, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import block
+from ._arrays import UINT32_MAX, block, integer
 from ._library import HistView, RankPlace, lib
 from .histogram import HistogramView, view_of
 
@@ -70,3 +70,87 @@ def rank(live: HistogramView, candidates: Sequence[HistogramView]) -> List[RankE
     scratch = _scratch_for(view)
     lib.vdna_rank(view, views, len(candidates), scratch.ctypes.data, scratch.nbytes, places)
     return entries(places)
+
+
+def bound_sums(histogram: HistogramView) -> NDArray[np.uint32]:
+    """Sums of the cumulative counts over blocks of 25 bins, from which bounds of distances follow.
+
+    returns: uint32 [blocks][neurons]
+    VdnaError: EMPTY if a neuron has no samples, OVERFLOW if one has more than 171 million
+    """
+    view = view_of(histogram)
+    scratch = _scratch_for(view)
+    size = lib.vdna_bounds_size(view.neurons, view.bins)
+    sums = np.empty((size // (4 * view.neurons), view.neurons), np.uint32)
+    lib.vdna_bounds_sum(view, scratch.ctypes.data, scratch.nbytes, sums.ctypes.data)
+    return sums
+
+
+def _sums_of(histogram: HistogramView, sums: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    view = view_of(histogram)
+    array = np.ascontiguousarray(sums, np.uint32)
+    if array.nbytes != lib.vdna_bounds_size(view.neurons, view.bins):
+        raise ValueError(
+            f"sums of shape {np.shape(sums)} are not those of {view.neurons} neurons "
+            f"with {view.bins} bins: take bound_sums() of the histogram"
+        )
+    return array
+
+
+def emd_bound(
+    p: HistogramView, sums_p: NDArray[np.uint32], q: HistogramView, sums_q: NDArray[np.uint32]
+) -> float:
+    """Lower bound of emd_mean(p, q), made of their bound_sums() in about 1/25 of its time.
+
+    VdnaError: as emd()
+    """
+    view = view_of(p)
+    scratch = _scratch_for(view)
+    arrays = _sums_of(p, sums_p), _sums_of(q, sums_q)
+    bound = c_double()
+    lib.vdna_bounds_mean(
+        view,
+        arrays[0].ctypes.data,
+        view_of(q),
+        arrays[1].ctypes.data,
+        scratch.ctypes.data,
+        scratch.nbytes,
+        bound,
+    )
+    return bound.value
+
+
+def rank_top(
+    live: HistogramView,
+    candidates: Sequence[HistogramView],
+    sums: Sequence[NDArray[np.uint32]],
+    exact: SupportsIndex,
+) -> Tuple[List[RankEntry], List[bool]]:
+    """Rank candidates, the nearest by their distance and the rest by a lower bound of it.
+
+    sums: bound_sums() of each candidate
+    exact: places to have as rank() has them, at least 1
+    returns: the ranking, and by candidate whether its `distance_bins` is a bound
+    VdnaError: as rank(); OVERFLOW also as bound_sums()
+    """
+    if len(sums) != len(candidates):
+        raise ValueError(f"{len(sums)} sums for {len(candidates)} candidates: give one for each")
+    view = view_of(live)
+    count = len(candidates)
+    views = (HistView * max(1, count))(*[view_of(c) for c in candidates])
+    places, is_bound = (RankPlace * max(1, count))(), (c_uint8 * max(1, count))()
+    each = [_sums_of(c, s).ravel() for c, s in zip(candidates, sums)]
+    table = np.concatenate([np.empty(0, np.uint32), *each])
+    scratch = block(lib.vdna_rank_top_scratch_size(view.neurons, view.bins))
+    lib.vdna_rank_top(
+        view,
+        views,
+        table.ctypes.data,
+        count,
+        integer(exact, "exact", 1, UINT32_MAX),
+        scratch.ctypes.data,
+        scratch.nbytes,
+        places,
+        is_bound,
+    )
+    return entries(places), [bound != 0 for bound in is_bound]

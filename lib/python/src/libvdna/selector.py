@@ -80,6 +80,7 @@ class Selector:
         rank: str = "emd",
         stop_early: bool = False,
         reselect: bool = False,
+        exact: SupportsIndex = 0,
     ) -> None:
         """
         candidates: at least one, all of one shape, range and dim; not copied
@@ -98,6 +99,8 @@ class Selector:
         rank: "emd", by the distance, or "transfer", where trust tells that of every candidate
         stop_early: choose when trust says that the choice has settled
         reselect: reconsider the choice while driving; needs trust and localisers
+        exact: places of a ranking that have the distance, the rest a lower bound: see is_bound();
+               0 = all
         VdnaError: MISMATCH if the candidates do not compare, EMPTY or OVERFLOW as emd()
         """
         if not candidates:
@@ -135,6 +138,7 @@ class Selector:
             raise ValueError("give trust and runs, or neither")
         config.rank = _METHODS.index(rank)
         config.stop_early, config.reselect = bool(stop_early), bool(reselect)
+        config.exact = integer(exact, "exact", 0, UINT32_MAX)
         run_structs, self._last_layer_dim = None, 0
         if trust is not None and runs is not None:
             run_structs = _run_structs(runs, len(candidates))
@@ -237,6 +241,12 @@ class Selector:
         count = c_uint32()
         ranking = lib.vdna_select_ranking(self._select, count)
         return entries(ranking[: count.value]) if ranking else None
+
+    def is_bound(self, candidate: SupportsIndex) -> bool:
+        """Whether the ranking has a lower bound of this candidate's distance: see `exact`. False
+        during the warmup."""
+        index = integer(candidate, "candidate", 0, self._candidates - 1)
+        return lib.vdna_select_is_bound(self._select, index) != 0
 
     @property
     def margin_bins(self) -> Optional[float]:
