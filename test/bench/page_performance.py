@@ -7,7 +7,8 @@ INTRODUCTION = """\
 # Performance
 
 Written by `./dev bench --write-page` from what `./dev bench` measured on {cpu}, {cores} cores
-({features}), {memory_mb} MB, {system}. Other machines take other times; ratios travel better.
+({features}), {memory_mb} MB, {system}.
+Other machines take other times; ratios differ less.
 
 """
 
@@ -188,8 +189,9 @@ def missed_part(stored):
         if reached is None:
             open_ones.append(f"{name} ({what})")
         elif not reached:
-            missed.append(f"- **{name}**, {what}: {number(value)}, {bound_text(sign, bound, unit)} "
-                          f"was to be reached: {verdict(sign, bound, value, reached)}")
+            missed.append(f"- **{name}**, {what}: {number(value)} {unit}, expected "
+                          f"{bound_text(sign, bound, unit)}: "
+                          f"{verdict(sign, bound, value, reached)}")
     rows = missed or ["Nothing that was measured."]
     if open_ones:
         rows.append(f"\nNot measured: {', '.join(open_ones)}.")
