@@ -85,8 +85,9 @@ static const float number_max = 1e15f;
 /* Every how many rows one is tried for a first guess: neighbouring frames are alike. */
 enum { GUESS_STEP = 16 };
 
-/* The codes of a query lie on the stack. Sums of their products with a row's fit 32 bits. */
-enum { DIM_MAX = sizeof(void *) > 4 ? 4096 : 128, CODE_MAX = 127, QUERY_CODE_MAX = 4095 };
+/* The codes of a query lie on the stack, that of a microcontroller is small. Sums of their products
+ * with a row's fit 32 bits. */
+enum { DIM_MAX = sizeof(void *) > 4 ? 4096 : 16, CODE_MAX = 127, QUERY_CODE_MAX = 4095 };
 
 /* What is known of a row beside its codes. */
 typedef struct coded_row {

@@ -69,7 +69,8 @@ static void make_map(void)
         make_localiser(b);
         const vdna_select_candidate candidate = {
             {range, counts[b], &mass, 1, BINS}, NULL, FRAMES, 0};
-        const vdna_trust_run run = {embeddings[b][0], NULL, NULL, NULL, NULL, FRAMES, DIM, 0, 0};
+        const vdna_trust_run run = {embeddings[b][0], NULL, NULL, NULL, NULL, NULL,
+                                    FRAMES,           DIM,  0,    0};
         candidates[b] = candidate;
         runs[b] = run;
     }

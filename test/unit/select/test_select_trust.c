@@ -41,7 +41,7 @@ static void make_run(uint32_t b)
     const vdna_select_candidate candidate = {
         {range, map.counts[b], &map.mass, 1, BINS}, map.embeddings[b], 2, 0};
     const vdna_trust_run run = {
-        map.embeddings[b], map.codes[b], map.scales, NULL, NULL, 2, DIM, LAST, 0};
+        map.embeddings[b], map.codes[b], map.scales, NULL, NULL, NULL, 2, DIM, LAST, 0};
     map.candidates[b] = candidate;
     map.runs[b] = run;
     map.frames[b] = 30;
