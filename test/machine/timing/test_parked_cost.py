@@ -71,15 +71,17 @@ class ParkedCost(WithConfiguration):
             moved = seconds_of(daemon.pids) - begin
             sender.send(stand, 10)
             watch.collect(1.5)
-            before = watch.of("status")[-1]["parked"]
+            before = watch.of("status")[-1]
             begin = seconds_of(daemon.pids)
             stood = sender.send(stand, SECONDS)
             cost = seconds_of(daemon.pids) - begin
             watch.collect(1.5)
-        parked = watch.of("status")[-1]["parked"] - before
+        after = watch.of("status")[-1]
+        parked, processed, skipped = (after[fate] - before[fate]
+                                      for fate in ("parked", "processed", "skipped"))
         print(f"while the camera moves {100 * moved / moving:.0f} % of a processor; parked "
-              f"{100 * cost / stood:.2f} % in {stood:.0f} s, {parked} frames of {SECONDS * RATE}, "
-              f"of {len(stand[0]) // 1000} kB")
+              f"{100 * cost / stood:.2f} % in {stood:.0f} s, {parked} frames of {len(stand[0]) // 1000} "
+              f"kB, {processed} others processed, {skipped} skipped")
         self.assertGreater(parked, 0.9 * SECONDS * RATE)
         self.assertLessEqual(100 * cost / stood, COST_MAX)
 
