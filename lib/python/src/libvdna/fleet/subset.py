@@ -15,7 +15,7 @@ from ..distance import emd_mean
 from ..experience import Experience
 from ..trust import StoredRun, trust_recall
 from . import engine
-from .collection import Collection, DamagedObject
+from .collection import Collection
 from .index import Index, Where
 
 #: Rows of a table that a task makes.
@@ -150,36 +150,49 @@ def _tables(
     tolerance: float,
 ) -> Tuple[Dict[str, NDArray[np.float64]], Dict[str, str], List[str]]:
     """Values of each route, what they are, and what failed. The parts stay until all are there."""
+    recall, failures = _compared(collection, index, rows_of, run_on, "recall", tolerance)
+    by = {route: "distance" if np.isnan(table).any() else "recall" for route, table in recall.items()}
+    unlabelled = {route: rows_of[route] for route in by if by[route] == "distance"}
+    distance, more = _compared(collection, index, unlabelled, run_on, "distance", tolerance)
+    failures += more
+    tables = {
+        route: _nearness(distance[route]) if by[route] == "distance" else recall[route]
+        for route in by
+        if by[route] == "recall" or route in distance
+    }
+    if not failures:
+        collection.remove_folder(f"parts/ship-{index.comparable}")
+    return tables, by, failures
+
+
+def _compared(
+    collection: Collection,
+    index: Index,
+    rows_of: Dict[str, List[int]],
+    run_on: engine.Engine,
+    by: str,
+    tolerance: float,
+) -> Tuple[Dict[str, NDArray[np.float64]], List[str]]:
+    """Tables of the routes of which all experiences could be compared, and what failed."""
     tasks: List[Tuple[Any, ...]] = []
     for route, rows in rows_of.items():
         names = [index.names[row] for row in rows]
         digests = [index.columns["sha256"][row] for row in rows]
-        text = json.dumps([route, names, digests, tolerance])
+        text = json.dumps([route, names, digests, by, tolerance])
         folder = f"parts/ship-{index.comparable}/{hashlib.sha256(text.encode()).hexdigest()}"
         for begin in range(0, len(names), _ROWS_OF_TASK):
-            key = f"{folder}/{begin}.npz"
-            tasks.append((collection.uri, index.comparable, names, begin, tolerance, key, route))
+            key = f"{folder}/{begin}.npy"
+            tasks.append((collection.uri, index.comparable, names, begin, by, tolerance, key, route))
     failures: List[str] = []
-    parts: Dict[str, List[Any]] = {route: [] for route in rows_of}
+    parts: Dict[str, List[NDArray[np.float64]]] = {route: [] for route in rows_of}
     for done in engine.run(run_on, _part, tasks):
-        route = done.arguments[-1]
+        *_, key, route = done.arguments
         if done.failure:
-            failures.append(done.failure)
-            continue
-        parts[route].append(np.load(io.BytesIO(collection.get(done.arguments[-2]))))
-    tables: Dict[str, NDArray[np.float64]] = {}
-    by: Dict[str, str] = {}
-    for route, rows in rows_of.items():
-        if sum(len(part["distance"]) for part in parts[route]) < len(rows):
-            failures.append(f"route {route!r} is left out, because not all of its pairs were compared")
-            continue
-        recall = np.concatenate([part["recall"] for part in parts[route]])
-        distance = np.concatenate([part["distance"] for part in parts[route]])
-        by[route] = "distance" if np.isnan(recall).any() else "recall"
-        tables[route] = _nearness(distance) if by[route] == "distance" else recall
-    if not failures:
-        collection.remove_folder(f"parts/ship-{index.comparable}")
-    return tables, by, failures
+            failures.append(f"{done.failure}; route {route!r} is left out")
+            parts.pop(route, None)
+        elif route in parts:
+            parts[route].append(np.load(io.BytesIO(collection.get(key))))
+    return {route: np.concatenate(found) for route, found in parts.items()}, failures
 
 
 def _nearness(distance: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -189,22 +202,31 @@ def _nearness(distance: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _part(
-    uri: str, comparable: str, names: List[str], begin: int, tolerance: float, key: str, route: str
+    uri: str,
+    comparable: str,
+    names: List[str],
+    begin: int,
+    by: str,
+    tolerance: float,
+    key: str,
+    route: str,
 ) -> None:
-    """Task: some rows of a route's tables, [rows][names]."""
+    """Task: some rows of a route's table, [rows][names]."""
     collection = Collection(uri)
     if collection.exists(key):
         return
     live = [collection.load(comparable, name).experience for name in names[begin : begin + _ROWS_OF_TASK]]
-    recall, distance = np.full((2, len(live), len(names)), np.nan)
+    table = np.empty((len(live), len(names)))
     for column, name in enumerate(names):
         candidate = collection.load(comparable, name).experience
         for row, one in enumerate(live):
-            itself = begin + row == column
-            distance[row, column] = 0 if itself else emd_mean(one.histogram, candidate.histogram)
-            recall[row, column] = 1 if itself else _recall(one, candidate, tolerance)
+            if by == "distance":
+                table[row, column] = emd_mean(one.histogram, candidate.histogram)
+            else:
+                itself = begin + row == column
+                table[row, column] = 1 if itself else _recall(one, candidate, tolerance)
     file = io.BytesIO()
-    np.savez(file, recall=recall, distance=distance)
+    np.save(file, table)
     collection.put(key, file.getvalue())
 
 
