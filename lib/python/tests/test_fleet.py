@@ -208,6 +208,20 @@ def test_what_is_there_is_not_added_again(tmp_path):
     assert tree(tmp_path / "fleet") == before
 
 
+def test_collections_merge(tmp_path):
+    (tmp_path / "robot").mkdir()
+    collection, comparable = filled(tmp_path, drives(3), ["ring"])
+    robot, _ = filled(tmp_path / "robot", drives(5), ["yard"])
+    damaged = tmp_path / "robot" / "fleet" / robot.object_key(comparable, "drive003")
+    damaged.write_bytes(damaged.read_bytes()[:-1])
+    ended = fleet.merge(collection, [robot.uri], threads)
+    assert ended[:2] == (1, 3) and "drive003.vdna.zst: damaged" in ended.failures[0]
+    assert collection.load(comparable, "drive004").labels.route == "yard"
+    assert collection.load(comparable, "drive000").labels.route == "ring"
+    key = collection.object_key(comparable, "drive004")
+    assert collection.get(key) == robot.get(key)
+
+
 def test_an_object_store_and_any_executor_will_do(tmp_path):
     uri = f"memory://{tmp_path.name}"
     collection, comparable = filled(tmp_path, drives(20), uri=uri)
@@ -426,7 +440,8 @@ def fleet_of(folder, name, victim, workers=1, engine="local"):
     uri.mkdir(exist_ok=True)
     (uri / "ranges.json").write_text(json.dumps({"range": RANGE.tolist()}))
     sources = [folder / f"drive{i:03}.rec" for i in range(8)]
-    environment = {**os.environ, "TMPDIR": str((folder / "temporary").resolve()), "PYTHONPATH": os.pathsep.join(sys.path)}
+    temporary = str((folder / "temporary").resolve())
+    environment = {**os.environ, "TMPDIR": temporary, "HOME": temporary, "PYTHONPATH": os.pathsep.join(sys.path)}
     command = (sys.executable, "-B", folder / "program.py")
     options = ("--engine", engine, "--workers", str(workers))
     for arguments in (("build", uri, *sources, "--vdna", stub), ("index", uri)):
@@ -470,6 +485,40 @@ def processes_naming(path):
         except OSError:
             continue
     return found
+
+
+def test_the_memory_of_a_worker_does_not_grow_with_the_collection(tmp_path):
+    """An experience of 1000 x 1000 counts is 4 MB; that of one task is the limit, not of all."""
+    edges = np.array([[-4, 4]] * 1000, np.float32)
+    counts = np.zeros((1000, 1000), np.uint32)
+    counts[500] = 30
+    dna = libvdna.HistogramView(edges, counts)
+    one = experience("x", taps="top:1000:1", histogram=dna)
+    collection = fleet.Collection(str(tmp_path / "fleet"))
+    vdna = one.to_bytes()
+    for i in range(48):
+        named = experience(f"x{i:02}", taps="top:1000:1", histogram=dna, seed=i)
+        collection.add(named.to_bytes(), fleet.Labels())
+    command = [sys.executable, "-c", PEAK, str(tmp_path / "fleet"), collection.only_comparable()]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    few, all_of_them = (
+        int(subprocess.run([*command, str(n)], env=environment, capture_output=True, check=True).stdout)
+        for n in (16, 48)
+    )
+    print(f"peak of a worker: {few} kB for 16 rows, {all_of_them} kB for 48")
+    assert all_of_them - few < 16 * len(vdna) // 1024
+
+
+#: Makes rows of the first N objects as a worker does, 16 a task, and prints its peak in kB.
+PEAK = """
+import resource, sys
+from libvdna.fleet import Collection, index
+uri, comparable, count = sys.argv[1], sys.argv[2], int(sys.argv[3])
+names = list(Collection(uri).names(comparable))[:count]
+for begin in range(0, count, 16):
+    assert index._rows(uri, comparable, names[begin : begin + 16], f"parts/{count}-{begin}") == []
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
 
 
 def test_ray_gives_the_same_and_survives_a_killed_worker(recordings):

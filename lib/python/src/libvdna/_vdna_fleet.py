@@ -78,6 +78,8 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument(
         "--table", metavar="FILE.csv", help="more sources: columns source, route, condition, name"
     )
+    one = command("merge", "Add the experiences of other collections")
+    one.add_argument("others", metavar="OTHER", nargs="+", help="URI of a collection")
     command("rebin", "Count the experiences again in the bins of the collection's ranges", stored)
     command("index", "Give every experience a row in the index", stored)
     one = command("nearest", "Find the experiences nearest to another one", where)
@@ -148,6 +150,14 @@ def _source_of(row: Any) -> fleet.Source:
     labels = fleet.Labels(row.get("route") or "", row.get("condition") or "")
     source = fleet.Source.of(row["source"], labels)
     return source._replace(name=row["name"]) if row.get("name") else source
+
+
+def _merge(options: Any, collection: fleet.Collection, engine: fleet.Engine) -> List[str]:
+    from . import fleet
+
+    ended = fleet.merge(collection, options.others, engine)
+    print(f"{collection.uri}: {ended.made} experiences added, {ended.there} were there")
+    return ended.failures
 
 
 def _rebin(options: Any, collection: fleet.Collection, engine: fleet.Engine) -> List[str]:
@@ -228,6 +238,7 @@ def _ship(options: Any, collection: fleet.Collection, engine: fleet.Engine) -> L
 _COMMANDS = {
     "calibrate": _calibrate,
     "build": _build,
+    "merge": _merge,
     "rebin": _rebin,
     "index": _index,
     "nearest": _nearest,

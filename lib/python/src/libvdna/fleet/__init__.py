@@ -10,7 +10,7 @@ here fill and search it on any concurrent.futures.Executor, or on Ray with `pip 
     nearest(collection, dna.histogram, dna.comparable, k=5, where=[("route", "==", "ring")])
 """
 
-from .sources import Ended, Source, build, calibrate, merged_ranges, rebin, rebinned
+from .sources import Ended, Source, build, calibrate, merge, merged_ranges, rebin, rebinned
 from .collection import Collection, DamagedObject, Labels
 from .engine import Engine, RayExecutor, local, on_ray, run
 from .index import Index, Indexed, Where, update
@@ -38,6 +38,7 @@ __all__ = [
     "calibrate",
     "duplicates",
     "local",
+    "merge",
     "merged_ranges",
     "nearest",
     "on_ray",

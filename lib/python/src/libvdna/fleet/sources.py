@@ -183,6 +183,31 @@ def _add(uri: str, source: Source, program: str) -> bool:
     return collection.add(vdna, source.labels)[1]
 
 
+def merge(collection: Collection, others: Sequence[str], run_on: engine.Engine) -> Ended:
+    """Add the experiences of other collections, such as those of single robots. Names that are there
+    stay as they are."""
+    collection.sweep()
+    tasks = [
+        (collection.uri, other, comparable, name)
+        for other in others
+        for comparable in Collection(other).comparables()
+        for name in Collection(other).names(comparable)
+    ]
+    return _ended(engine.run(run_on, _copy, tasks), collection.uri)
+
+
+def _copy(uri: str, other: str, comparable: str, name: str) -> bool:
+    """Task: whether it was not there."""
+    collection = Collection(uri)
+    key = collection.object_key(comparable, name)
+    if collection.exists(key):
+        return False
+    source = Collection(other)
+    source.load(comparable, name)
+    collection.put(key, source.get(key))
+    return True
+
+
 def rebin(collection: Collection, comparable: str, run_on: engine.Engine) -> Ended:
     """Add every experience of `comparable` once more, in the bins of the collection's ranges, bit for
     bit as building it anew. Needs no network, but experiences whose only tap is the embedding."""
