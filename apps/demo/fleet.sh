@@ -58,7 +58,7 @@ say "1. 200 traversals of five routes (rendered), five of them copies of others"
 drives | xargs -P 2 -L 1 build/bin/vdna simulate $pictures >$demo/simulate.log
 echo source,route,condition >$demo/table.csv
 for route in 1 2 3 4 5; do
-    cp -r $demo/drives/route${route}_dusk_2 $demo/drives/route${route}_zcopy_2
+    cp -r $demo/drives/route${route}_dusk_2 $demo/drives/route${route}_dusk_2copy
 done
 for drive in "$demo"/drives/*; do
     name=${drive##*/}

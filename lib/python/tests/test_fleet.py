@@ -200,6 +200,31 @@ def test_the_index_follows_the_objects(tmp_path):
     assert fleet.Index(collection, comparable).names == ["drive000", "drive002", "drive003", "later"]
 
 
+def test_the_index_is_the_same_however_it_grew(tmp_path):
+    stored = drives(80)
+    (tmp_path / "parts").mkdir()
+    whole, comparable = filled(tmp_path, stored, ["ring", "yard", "hall"])
+    grown = fleet.Collection(str(tmp_path / "parts" / "fleet"))
+    for begin, end in ((50, 80), (0, 3), (3, 50)):
+        sources = [
+            fleet.Source.of(
+                str(tmp_path / f"drive{i:03}.vdna"), fleet.Labels(["ring", "yard", "hall"][i % 3], "summer")
+            )
+            for i in range(begin, end)
+        ]
+        fleet.build(grown, sources, threads, "vdna")
+        assert fleet.update(grown, comparable, threads).added == end - begin
+    assert tree(tmp_path / "parts" / "fleet") == tree(tmp_path / "fleet")
+    live = experience("now").histogram
+    where = [("route", "==", "yard")]
+    names = fleet.Index(whole, comparable).names
+    assert names == sorted(names, key=lambda name: (["hall", "ring", "yard"][(int(name[5:]) + 1) % 3], name))
+    found = fleet.nearest(whole, live, comparable, 3, where)
+    yard = {one.name: libvdna.emd_mean(live, one.histogram) for one in stored[1::3]}
+    assert [n.name for n in found.neighbours] == sorted(yard, key=yard.get)[:3]
+    assert found.bytes_read < fleet.nearest(whole, live, comparable, 3).bytes_read
+
+
 def test_what_is_there_is_not_added_again(tmp_path):
     collection, comparable = filled(tmp_path, drives(2))
     before = tree(tmp_path / "fleet")

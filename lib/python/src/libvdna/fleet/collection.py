@@ -122,11 +122,24 @@ class Collection:
         A local file is written aside, under a name that no one else has, and renamed; object stores
         show an object only when it is complete.
         """
-        path = self.path(key)
-        if not self._is_local:
-            self._fs.pipe_file(path, data)
+        with self.writing(key) as file:
+            file.write(data)
+
+    @contextlib.contextmanager
+    def writing(self, key: str) -> Iterator[Any]:
+        """A file to write, which is there, whole, if the block ends without an exception."""
+        if self._is_local:
+            with writing_local(self.path(key)) as file:
+                yield file
             return
-        write_local(path, data)
+        file = self._fs.open(self.path(key), "wb", autocommit=False)
+        try:
+            yield file
+            file.close()
+        except BaseException:
+            file.discard()
+            raise
+        file.commit()
 
     def remove(self, key: str) -> None:
         if self.exists(key):
@@ -227,13 +240,14 @@ class Collection:
         return found[0]
 
 
-def write_local(path: str, data: bytes) -> None:
-    """Write a local file aside, under a name that no one else has, and rename it."""
+@contextlib.contextmanager
+def writing_local(path: str) -> Iterator[Any]:
+    """The same for a local file: written aside, under a name that no one else has, and renamed."""
     os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
     aside = f"{path}.{aside_name()}"
     try:
         with open(aside, "xb") as file:
-            file.write(data)
+            yield file
             file.flush()
             os.fsync(file.fileno())
         os.replace(aside, path)

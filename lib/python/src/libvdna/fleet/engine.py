@@ -7,6 +7,7 @@ may run again, or twice at once, and a killed worker or driver costs no more tha
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import threading
@@ -58,7 +59,7 @@ class RayExecutor(Executor):
             ray.init(
                 address=address or "local",
                 log_to_driver=False,
-                logging_level="ERROR",
+                logging_level=logging.ERROR,
                 runtime_env={"env_vars": _environment()},
                 **here,
             )
@@ -112,9 +113,13 @@ def run(
     deaths: Dict[int, int] = {}
     size = window or 4 * (os.cpu_count() or 1)
     while len(done) < len(todo):
-        left = [index for index in range(len(todo)) if index not in done]
+        # One at a time where a worker died, so that no task suffers for another.
+        suspects = [index for index in deaths if index not in done]
+        left = suspects or [index for index in range(len(todo)) if index not in done]
         with engine() as executor:
-            for index, future in _in_flight(executor, function, todo, left, size):
+            for index, future in _in_flight(
+                executor, function, todo, left, 1 if suspects else size
+            ):
                 death = future.exception()
                 if isinstance(death, BrokenProcessPool):
                     deaths[index] = deaths.get(index, 0) + 1

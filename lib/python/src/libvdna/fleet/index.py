@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -143,11 +142,8 @@ def _schema(comparable: str, dna: HistogramView) -> Any:
     )
 
 
-def _parquet(table: Any) -> bytes:
-    sink = io.BytesIO()
-    texts = ["route", "condition"]
-    pq.write_table(table, sink, compression="zstd", use_dictionary=texts, row_group_size=ROW_GROUP)
-    return sink.getvalue()
+def _writer(file: Any, schema: Any) -> Any:
+    return pq.ParquetWriter(file, schema, compression="zstd", use_dictionary=["route", "condition"])
 
 
 def _rows(uri: str, comparable: str, names: List[str], part: str) -> List[str]:
@@ -168,7 +164,8 @@ def _rows(uri: str, comparable: str, names: List[str], part: str) -> List[str]:
         columns = [
             pa.array([row[field.name] for row in rows], type=field.type) for field in schema
         ]
-        collection.put(part, _parquet(pa.Table.from_arrays(columns, schema=schema)))
+        with collection.writing(part) as file, _writer(file, schema) as writer:
+            writer.write_table(pa.Table.from_arrays(columns, schema=schema))
     return wrong
 
 
@@ -191,12 +188,13 @@ def update(collection: Collection, comparable: str, run_on: engine.Engine) -> In
     """Give every object a row. Only objects without one are read."""
     collection.sweep()
     sizes = collection.names(comparable)
-    before = _read_all(collection, key_of(comparable))
-    kept = _current(before, sizes)
-    known = set() if kept is None else set(kept.column("name").to_pylist())
+    key = key_of(comparable)
+    before = [_Rows(collection, key)] if collection.exists(key) else []
+    # Rows of objects that are as large as when they were read.
+    kept = [one for rows in before for one in rows.keys if sizes.get(one.name) == one.object_size]
+    known = {one.name for one in kept}
     missing = [name for name in sizes if name not in known]
 
-    tables = [] if kept is None else [kept]
     damaged: List[str] = []
     tasks, parts = [], []
     for names in batches(missing, _ROWS_OF_TASK):
@@ -206,31 +204,68 @@ def update(collection: Collection, comparable: str, run_on: engine.Engine) -> In
         parts.append(part)
     for done in engine.run(run_on, _rows, tasks):
         damaged += done.result if not done.failure else [f"{collection.uri}: {done.failure}"]
-    tables += [_read_all(collection, part) for part in parts if collection.exists(part)]
+    made = [_Rows(collection, part) for part in parts if collection.exists(part)]
+    new = [one for rows in made for one in rows.keys]
 
-    before_rows = 0 if before is None else before.num_rows
-    kept_rows = 0 if kept is None else kept.num_rows
-    table = pa.concat_tables(tables) if tables else None
-    if table is not None and (missing or kept_rows < before_rows):
-        table = table.sort_by([("route", "ascending"), ("name", "ascending")])
-        collection.put(key_of(comparable), _parquet(table))
-    if table is not None and table.num_rows == 0:
-        collection.remove(key_of(comparable))
+    old = sum(len(rows.keys) for rows in before)
+    if new or len(kept) < old:
+        _write(collection, key, sorted(kept + new))
     collection.remove_folder(f"parts/index-{comparable}")
-    rows = 0 if table is None else table.num_rows
-    return Indexed(rows, rows - kept_rows, before_rows - kept_rows, damaged)
+    return Indexed(len(kept) + len(new), len(new), old - len(kept), damaged)
 
 
-def _read_all(collection: Collection, key: str) -> Any:
-    return pq.read_table(io.BytesIO(collection.get(key))) if collection.exists(key) else None
+class _Key(NamedTuple):
+    """A row, in the order of the index."""
+
+    route: str
+    name: str
+    object_size: int
+    rows: _Rows
+    at: int
 
 
-def _current(table: Any, sizes: Dict[str, int]) -> Any:
-    """The rows whose objects are as large as when they were read."""
-    if table is None:
-        return None
-    names, known = table.column("name").to_pylist(), table.column("object_size").to_pylist()
-    return table.filter(pa.array([sizes.get(n) == s for n, s in zip(names, known)], pa.bool_()))
+class _Rows:
+    """The rows of an index or a part. Few are in memory at a time, and the file is not kept open."""
+
+    def __init__(self, collection: Collection, key: str) -> None:
+        self._collection, self._key = collection, key
+        with collection.open(key) as stream:
+            file = pq.ParquetFile(stream)
+            self._metadata, self.schema = file.metadata, file.schema_arrow
+            columns = file.read(["route", "name", "object_size"]).to_pydict()
+        named = zip(columns["route"], columns["name"], columns["object_size"])
+        self.keys = [_Key(*one, self, at) for at, one in enumerate(named)]
+        groups = range(self._metadata.num_row_groups)
+        self._end = np.cumsum([self._metadata.row_group(group).num_rows for group in groups])
+        self._group: Tuple[int, Any] = (-1, None)
+
+    def row(self, at: int) -> Any:
+        """A table of one row."""
+        group = int(np.searchsorted(self._end, at, side="right"))
+        if self._group[0] != group:
+            with self._collection.open(self._key) as stream:
+                file = pq.ParquetFile(stream, metadata=self._metadata)
+                self._group = (group, file.read_row_group(group))
+        table = self._group[1]
+        return table.slice(at - int(self._end[group]) + table.num_rows, 1)
+
+    def drop(self) -> None:
+        """What is in memory."""
+        self._group = (-1, None)
+
+
+def _write(collection: Collection, key: str, order: List[_Key]) -> None:
+    """The index of these rows, or none without any."""
+    if not order:
+        collection.remove(key)
+        return
+    schema = order[0].rows.schema
+    with collection.writing(key) as file, _writer(file, schema) as writer:
+        for some in batches(order, ROW_GROUP):
+            table = pa.concat_tables([one.rows.row(one.at) for one in some])
+            writer.write_table(table.combine_chunks())
+            for rows in {id(one.rows): one.rows for one in some}.values():
+                rows.drop()
 
 
 class Index:
@@ -256,22 +291,30 @@ class Index:
         self.neurons, self.bins = int(about["neurons"]), int(about["bins"])
         self._cached: Dict[int, NDArray[np.uint32]] = {}
         self._sized = self._chunk_sizes()
-        groups = [self._file.metadata.row_group(g).num_rows for g in range(len(self._sized))]
-        self._group_end = np.cumsum(groups, dtype=np.int64)
-        small = self._read_small()
-        rows = np.arange(small.num_rows)
+        metadata = self._file.metadata
+        counts = np.array([metadata.row_group(g).num_rows for g in range(len(self._sized))], np.int64)
+        self._group_end = np.cumsum(counts)
+        labels = self._read(COLUMNS)
+        rows = np.arange(labels.num_rows)
         if where:
-            numbered = small.append_column("row", pa.array(rows))
+            numbered = labels.append_column("row", pa.array(rows))
             rows = numbered.filter(_expression(where)).column("row").to_numpy()
         #: [rows]: where the file has them
         self.rows: NDArray[np.int64] = rows
-        small = small.take(rows)
+        labels = labels.take(rows)
         self.columns: Dict[str, List[Any]] = {
-            column: small.column(column).to_pylist() for column in COLUMNS
+            column: labels.column(column).to_pylist() for column in COLUMNS
         }
         self.names: List[str] = self.columns["name"]
-        self.mass: NDArray[np.uint32] = _matrix(small, "mass", self.neurons)
-        self.means: NDArray[np.float32] = _matrix(small, "mean_bin", self.neurons)
+        # Of groups with such rows only.
+        group_of = np.searchsorted(self._group_end, rows, side="right")
+        groups = sorted(set(group_of.tolist()))
+        table = self._read(("mass", "mean_bin"), groups)
+        begin = dict(zip(groups, np.cumsum([0, *(counts[g] for g in groups)]).tolist()))
+        first = self._group_end - counts
+        within = [begin[g] + int(r - first[g]) for r, g in zip(rows, group_of.tolist())]
+        self.mass: NDArray[np.uint32] = _matrix(table, "mass", self.neurons)[within]
+        self.means: NDArray[np.float32] = _matrix(table, "mean_bin", self.neurons)[within]
 
     def _chunk_sizes(self) -> List[Dict[str, int]]:
         metadata = self._file.metadata
@@ -282,10 +325,10 @@ class Index:
             sizes.append({c.path_in_schema.split(".")[0]: c.total_compressed_size for c in chunks})
         return sizes
 
-    def _read_small(self) -> Any:
-        columns = [*COLUMNS, "mass", "mean_bin"]
-        self.collection.bytes_read += sum(group[c] for group in self._sized for c in columns)
-        return self._file.read(columns)
+    def _read(self, columns: Sequence[str], groups: Optional[List[int]] = None) -> Any:
+        wanted = list(range(len(self._sized))) if groups is None else groups
+        self.collection.bytes_read += sum(self._sized[g][c] for g in wanted for c in columns)
+        return self._file.read_row_groups(wanted, list(columns))
 
     def summary(self, row: int) -> Summary:
         """Of a row, by its place in `names`."""

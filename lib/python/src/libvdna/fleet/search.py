@@ -16,7 +16,7 @@ from ..distance import emd_mean
 from ..experience import Experience
 from ..histogram import HistogramView
 from . import engine
-from .collection import Collection, DamagedObject, batches, write_local
+from .collection import Collection, DamagedObject, batches, writing_local
 from .index import Index, Summary, Where, bound_by_means, bound_by_sums
 
 _BY_MEANS, _BY_SUMS, _EXACT = range(3)
@@ -226,9 +226,8 @@ def pairs(
     parts = [collection.get(one.arguments[-1]) for one in done if not one.failure]
     empty = _PAIRS_SCHEMA.empty_table()
     table = pa.concat_tables([empty, *(pq.read_table(io.BytesIO(part)) for part in parts)])
-    sink = io.BytesIO()
-    pq.write_table(table.sort_by([("a", "ascending"), ("b", "ascending")]), sink)
-    write_local(out, sink.getvalue())
+    with writing_local(out) as file:
+        pq.write_table(table.sort_by([("a", "ascending"), ("b", "ascending")]), file)
     if not failures:
         collection.remove_folder(f"parts/pairs-{comparable}")
     return Pairs(table.num_rows, failures)
