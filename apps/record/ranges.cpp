@@ -71,6 +71,15 @@ Ranges from_json(const std::string &path, const Json &json)
     return ranges;
 }
 
+// [neurons][2] as a list of pairs.
+Json pairs_of(const std::vector<float> &values)
+{
+    Json pairs = Json::array();
+    for (size_t i = 0; i < values.size(); i += 2)
+        pairs.push_back({values[i], values[i + 1]});
+    return pairs;
+}
+
 } // namespace
 
 const char *const range_rules[2] = {"midpoint", "zero"};
@@ -93,6 +102,7 @@ void Calibration::observe(const vdna_backbone_frame &frame, const std::string &w
 Ranges Calibration::ranges(uint32_t rule) const
 {
     Ranges expanded = observed_;
+    expanded.observed = observed_.values;
     require(vdna_range_expand(expanded.values.data(), expanded.identity.neurons, VDNA_RANGE_FACTOR,
                               rule),
             expanded.origin);
@@ -120,9 +130,6 @@ Ranges read_ranges(const std::string &path)
 
 void write_ranges(const Ranges &ranges, uint32_t rule, const std::string &path)
 {
-    Json pairs = Json::array();
-    for (size_t i = 0; i < ranges.values.size(); i += 2)
-        pairs.push_back({ranges.values[i], ranges.values[i + 1]});
     const vdna_identity &identity = ranges.identity;
     const Json json = {{"format", format_name},
                        {"version", format_version},
@@ -133,7 +140,8 @@ void write_ranges(const Ranges &ranges, uint32_t rule, const std::string &path)
                        {"taps", identity.taps},
                        {"factor", VDNA_RANGE_FACTOR},
                        {"rule", range_rules[rule]},
-                       {"range", pairs}};
+                       {"range", pairs_of(ranges.values)},
+                       {"observed", pairs_of(ranges.observed)}};
     program::replace_file(path, json.dump() + "\n");
 }
 

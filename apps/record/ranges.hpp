@@ -16,6 +16,9 @@ struct Ranges {
     std::string origin;        // for complaints: the file, or "calibration"
     vdna_identity identity;    // bins and range are unknown; dim may be known
     std::vector<float> values; // [neurons][2]
+    // [neurons][2], the least and greatest activation before they were widened to `values`, from
+    // which ranges of more pictures are merged; empty = not known
+    std::vector<float> observed{};
 };
 
 // How observed minima and maxima become ranges: "midpoint" or "zero".
@@ -38,7 +41,7 @@ class Calibration
 // Read a ranges file, or take the ranges of an experience file. Throws Error.
 Ranges read_ranges(const std::string &path);
 
-// Write a ranges file atomically. Throws Error.
+// Write a ranges file of a Calibration atomically. Throws Error.
 void write_ranges(const Ranges &ranges, uint32_t rule, const std::string &path);
 
 // Throw Error, naming the field and the remedy, unless these ranges were made with `backbone`.

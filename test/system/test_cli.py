@@ -460,6 +460,11 @@ class Calibrate(Scratch):
                          file.tensors["range"])
         self.assertEqual((ranges["format"], ranges["version"], ranges["rule"]),
                          ("vdna-ranges", 1, "midpoint"))
+        # What was observed is within the range that was made of it, and the range about its middle.
+        for (low, high), (least, greatest) in zip(ranges["range"], ranges["observed"], strict=True):
+            self.assertLess(low, least)
+            self.assertLess(greatest, high)
+            self.assertAlmostEqual(low + high, least + greatest, places=3)
 
     def test_ranges_of_other_pictures_saturate(self):
         self.pictures("a", [1, 1])

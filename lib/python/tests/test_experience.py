@@ -1,11 +1,13 @@
 """Experience files and maps."""
 
 import gc
+import pickle
 
 import numpy as np
 import pytest
 from conftest import SHA256, small_experience
 
+import libvdna
 from libvdna import PLACE_NONE, Experience, Status, VdnaError, emd_mean, open_map
 
 ARRAYS = ["embeddings", "frame_utime", "frame_grey", "frame_place", "frame_position"]
@@ -286,3 +288,29 @@ def test_an_array_of_an_experience_in_memory_keeps_its_bytes(tmp_path):
     counts = Experience.from_bytes(bytearray((tmp_path / "winter.vdna").read_bytes())).histogram.counts
     gc.collect()
     np.testing.assert_array_equal(counts, small_experience().histogram.counts)
+
+
+def test_a_pickled_experience_is_that_of_the_same_bytes(tmp_path):
+    one = small_experience()
+    one.write(tmp_path / "winter.vdna")
+    vdna = (tmp_path / "winter.vdna").read_bytes()
+    for given in (one, libvdna.Experience.open(tmp_path / "winter.vdna"), libvdna.Experience.from_bytes(vdna)):
+        assert given.to_bytes() == vdna
+        again = pickle.loads(pickle.dumps(given))
+        assert again.to_bytes() == vdna and again.name == "winter"
+
+
+def test_an_experience_counted_otherwise_keeps_all_else(tmp_path):
+    one = small_experience()
+    one.write(tmp_path / "old.vdna")
+    old = libvdna.Experience.open(tmp_path / "old.vdna")
+    counts = np.array(one.histogram.counts[::-1])
+    range = one.histogram.range * np.float32(2)
+    for given in (one, old):
+        new = given.with_histogram(libvdna.HistogramView(range, counts))
+        assert new.to_bytes() == small_experience(
+            histogram=libvdna.HistogramView(range, counts)
+        ).to_bytes()
+        assert np.array_equal(new.histogram.counts, counts)
+    assert np.array_equal(old.histogram.counts, one.histogram.counts)
+    assert new.identity.comparable != old.comparable

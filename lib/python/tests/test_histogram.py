@@ -1,13 +1,14 @@
 """Histograms and ranges."""
 
 import gc
+import pickle
 import threading
 import tracemalloc
 import weakref
 
 import numpy as np
 import pytest
-from conftest import histogram_of
+from conftest import histogram_of, small_experience
 
 import libvdna
 from libvdna import FeatureMap, Histogram, HistogramView, Ranges, Status, VdnaError
@@ -257,3 +258,64 @@ def test_a_mask_is_not_dropped_without_a_word():
     with pytest.raises(TypeError, match="masked array.*filled"):
         Ranges(3).observe(masked)
     assert histogram.frames == 1
+
+
+def test_a_pickled_histogram_goes_on_counting(unit_range, random):
+    frames = random.normal(0, 1, (9, 3)).astype(np.float32)
+    histogram = histogram_of(frames[:5], unit_range)
+    again = pickle.loads(pickle.dumps(histogram))
+    for frame in frames[5:]:
+        again.add(frame)
+    whole = histogram_of(frames, unit_range)
+    assert again.frames == 9 and whole.saturated.sum() > 0
+    for field in ("range", "counts", "mass", "saturated"):
+        assert np.array_equal(getattr(again, field), getattr(whole, field))
+    again.subtract(histogram)
+    assert np.array_equal(again.counts, histogram_of(frames[5:], unit_range).counts)
+
+
+def test_a_pickled_view_has_its_own_counts(unit_range, random):
+    view = small_experience().histogram
+    again = pickle.loads(pickle.dumps(view))
+    assert type(again) is libvdna.HistogramView
+    assert np.array_equal(again.counts, view.counts) and np.array_equal(again.range, view.range)
+
+
+def test_merging_a_view_is_counting_its_frames(unit_range, random):
+    frames = random.normal(0, 0.2, (9, 3)).astype(np.float32)
+    part = histogram_of(frames[:4], unit_range)
+    view = libvdna.HistogramView(part.range, part.counts)
+    histogram = histogram_of(frames[4:], unit_range)
+    histogram.merge(view, frames=4)
+    whole = histogram_of(frames, unit_range)
+    assert np.array_equal(histogram.counts, whole.counts) and histogram.frames == 9
+    with pytest.raises(TypeError, match="frames is missing"):
+        histogram.merge(view)
+    with pytest.raises(TypeError, match="a Histogram knows its own"):
+        histogram.merge(part, frames=4)
+    with pytest.raises(libvdna.VdnaError):
+        histogram.merge(small_experience().histogram, frames=2)
+    assert histogram.frames == 9
+
+
+def test_merged_ranges_are_those_of_one_run(random):
+    frames = random.normal(0, [1, 2, 3], (20, 3)).astype(np.float32)
+
+    def observed(part):
+        ranges = libvdna.Ranges(3)
+        for frame in part:
+            ranges.observe(frame)
+        return ranges
+
+    merged = observed(frames[:8])
+    merged.merge(pickle.loads(pickle.dumps(observed(frames[8:]))))
+    assert np.array_equal(merged.observed, observed(frames).observed)
+    assert np.array_equal(merged.expand(), observed(frames).expand())
+    assert np.array_equal(libvdna.Ranges.observed_as(merged.observed).expand(), merged.expand())
+    merged.merge(libvdna.Ranges(3))
+    assert np.array_equal(merged.observed, observed(frames).observed)
+    with pytest.raises(ValueError, match="ranges of 2 neurons, expected 3"):
+        merged.merge(libvdna.Ranges(2))
+    for bad in ([[1, 0]], [[0, np.inf]], [[np.nan, 1]]):
+        with pytest.raises(ValueError, match="a least above its greatest"):
+            libvdna.Ranges.observed_as(bad)

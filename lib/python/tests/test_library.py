@@ -132,7 +132,7 @@ def test_the_library_of_networks_needs_libc_and_libjpeg_at_most_and_shows_its_ow
 def test_the_wheel_has_its_library_types_and_licence_and_nothing_else():
     files = importlib.metadata.files("libvdna")
     folders = {file.parts[0] for file in files}
-    # vdna-mcap is in the environment's folder of programs; auditwheel adds libjpeg.
+    # vdna-mcap and vdna-fleet are in the environment's folder of programs; auditwheel adds libjpeg.
     own = {"..", "libvdna", f"libvdna-{libvdna.__version__}.dist-info"}
     assert folders - {"libvdna.libs"} == own
     others = {

@@ -11,7 +11,7 @@ from conftest import small_experience
 
 import libvdna
 from libvdna import PLACE_NONE, TRUST_CELL, TRUST_WINDOWS, Status, StoredRun, Trust, TrustTables
-from libvdna import VdnaError, Verdict, trust_tables, trust_windows
+from libvdna import VdnaError, Verdict, trust_recall, trust_tables, trust_windows
 
 HEADER = pathlib.Path(__file__).resolve().parents[3] / "test/golden/trust_golden.h"
 GOLDEN = {
@@ -209,3 +209,13 @@ def test_what_a_map_knows_about_itself_is_written_and_read_back(tmp_path):
         libvdna.MapTrust(tables, 0.5, False).write(tmp_path, experiences[:1])
     with pytest.raises(VdnaError):
         libvdna.MapTrust.open(tmp_path, [])
+
+
+def test_the_recall_of_a_pair_is_the_mean_of_its_cell(random):
+    embeddings = random.normal(0, 1, (2, 30, 4)).astype(np.float32)
+    runs = [StoredRun(one, places=np.arange(30)) for one in embeddings]
+    cells = trust_tables(runs, 3).cells
+    recall = TRUST_CELL.index("recall")
+    assert trust_recall(runs[0], runs[1], 3) == pytest.approx(np.nanmean(cells[0, 1, recall]))
+    assert trust_recall(runs[0], runs[0], 3) == 1
+    assert math.isnan(trust_recall(StoredRun(embeddings[0]), runs[1], 3))

@@ -31,7 +31,7 @@ from .ranges import Ranges
 from .reference import ReferenceVdna
 from .selector import Answer, Candidate, Match, Selector
 from .trust import TRUST_CELL, TRUST_WINDOWS, MapTrust, Prediction, StoredRun, Trust, TrustAnswer
-from .trust import TrustFit, TrustTables, Verdict, trust_tables, trust_windows
+from .trust import TrustFit, TrustTables, Verdict, trust_recall, trust_tables, trust_windows
 
 __version__ = version()
 
@@ -81,6 +81,7 @@ __all__ = [
     "parse_taps",
     "rank",
     "rank_top",
+    "trust_recall",
     "trust_tables",
     "trust_windows",
 ]

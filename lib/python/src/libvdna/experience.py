@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from ctypes import c_size_t, c_uint32, c_void_p, string_at
-from typing import Any, List, Optional, Sequence, Tuple, Union
+import tempfile
+from ctypes import addressof, c_size_t, c_uint32, c_void_p, memmove, sizeof, string_at
+from typing import Any, Callable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -250,6 +251,35 @@ class Experience:
             f"<Experience {self.name}: {self.frames} frames, {self.histogram.neurons} neurons in"
             f" {self.histogram.bins} bins, by {self.backbone}>"
         )
+
+    def __reduce__(self) -> Tuple[Callable[[bytes], Experience], Tuple[bytes]]:
+        """Pickled as the bytes of its file."""
+        return type(self).from_bytes, (self.to_bytes(),)
+
+    def to_bytes(self) -> bytes:
+        """The bytes of its file: those it was opened from, or those that write() writes.
+
+        VdnaError: as write()
+        """
+        if self._file.file_bytes:
+            return string_at(self._file.file_bytes, self._file.file_size)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "experience.vdna")
+            self.write(path)
+            with open(path, "rb") as file:
+                return file.read()
+
+    def with_histogram(self, histogram: HistogramView) -> Experience:
+        """The same traversal counted over other ranges, or in other bins. Arrays are shared."""
+        other = type(self).__new__(type(self))
+        other.__dict__.update(self.__dict__)
+        dna, file = view_of(histogram), ExperienceFile()
+        memmove(addressof(file), addressof(self._file), sizeof(file))
+        file.identity.neurons, file.identity.bins = dna.neurons, dna.bins
+        file.identity.range, file.counts, file.mass = dna.range, dna.counts, dna.mass
+        file.comparable, file.file_bytes, file.file_size = b"", None, 0
+        other._owner, other._histogram, other._file = (self, histogram), histogram, file
+        return other
 
     def write(self, path: Path) -> None:
         """Write the file crash-safely: an interrupted call leaves `path` as it was.

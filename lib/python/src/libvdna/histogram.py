@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, SupportsIndex
+from ctypes import memmove
+from typing import Any, Callable, Optional, SupportsIndex, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -66,6 +67,9 @@ class HistogramView:
         self._mass = view(owner, pointers.mass, (neurons,), np.uint32)
         self._view = pointers
 
+    def __reduce__(self) -> Tuple[Callable[..., HistogramView], Tuple[Any, ...]]:
+        return HistogramView, (np.array(self._range), np.array(self._counts))
+
     def __repr__(self) -> str:
         return f"<{type(self).__name__} of {self.neurons} neurons in {self.bins} bins>"
 
@@ -121,6 +125,10 @@ class Histogram(HistogramView):
         self._point(owner, pointers)
         self._saturated = view(owner, self._hist.saturated, (self.neurons,), np.uint32)
 
+    def __reduce__(self) -> Tuple[Callable[..., HistogramView], Tuple[Any, ...]]:
+        counted = (np.array(self._counts), np.array(self._mass), np.array(self._saturated))
+        return _restored, (np.array(self._range), *counted, self.frames)
+
     def __repr__(self) -> str:
         return f"{super().__repr__()[:-1]}, {self.frames} frames>"
 
@@ -145,12 +153,25 @@ class Histogram(HistogramView):
         frame = Taps(taps)
         lib.vdna_hist_add(self._hist, frame.array, frame.count)
 
-    def merge(self, other: Histogram) -> None:
+    def merge(self, other: HistogramView, frames: Optional[SupportsIndex] = None) -> None:
         """Add all that `other` counted: exactly as if its frames had been added here.
 
+        other: a Histogram; or a view, such as that of an experience, which does not know what was
+               beyond the range, so that `saturated` stays as it is
+        frames: of a view, and only of one: what it was counted from
         VdnaError: MISMATCH if shapes or ranges differ, FULL
         """
-        lib.vdna_hist_merge(self._hist, _hist_of(other))
+        if isinstance(other, Histogram):
+            if frames is not None:
+                raise TypeError("frames is for a HistogramView; a Histogram knows its own")
+            lib.vdna_hist_merge(self._hist, other._hist)
+            return
+        if frames is None:
+            raise TypeError("frames is missing: how many `other` was counted from")
+        count = integer(frames, "frames", 0, UINT32_MAX)
+        unknown = np.zeros(view_of(other).neurons, np.uint32)
+        counted = _restored(other.range, other.counts, other.mass, unknown, count)
+        lib.vdna_hist_merge(self._hist, counted._hist)
 
     def subtract(self, other: Histogram) -> None:
         """Take out again, exactly, what `other` counted.
@@ -163,6 +184,22 @@ class Histogram(HistogramView):
     def reset(self) -> None:
         """Forget all frames; shape and range stay."""
         lib.vdna_hist_reset(self._hist)
+
+
+def _restored(
+    range: NDArray[np.float32],
+    counts: NDArray[np.uint32],
+    mass: NDArray[np.uint32],
+    saturated: NDArray[np.uint32],
+    frames: int,
+) -> Histogram:
+    """A pickled histogram."""
+    histogram = Histogram(range, len(counts))
+    hist = histogram._hist
+    for address, values in ((hist.counts, counts), (hist.mass, mass), (hist.saturated, saturated)):
+        memmove(address, values.ctypes.data, values.nbytes)
+    hist.frames = frames
+    return histogram
 
 
 def _hist_of(histogram: Histogram) -> Hist:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import SupportsIndex
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import UINT32_MAX, integer
+from ._arrays import UINT32_MAX, floats, integer, shaped
 from ._library import lib
 from .activations import Tap, Taps
 
@@ -33,6 +33,20 @@ class Ranges:
         self._table = np.empty((self._neurons, 2), np.float32)
         lib.vdna_range_clear(self._table.ctypes.data, self._neurons)
 
+    @classmethod
+    def observed_as(cls, observed: ArrayLike) -> Ranges:
+        """Ranges that observed this, as `observed` of others has it.
+
+        observed: float32 [neurons][2], least and greatest of each neuron; copied
+        ValueError: a least is above its greatest, or one is not finite
+        """
+        table = shaped(floats(observed, "observed"), ("neurons", 2), "observed")
+        if not (np.isfinite(table).all() and (table[:, 0] <= table[:, 1]).all()):
+            raise ValueError("observed has a least above its greatest, or one that is not finite")
+        self = cls(len(table))
+        self._table[:] = table
+        return self
+
     def __repr__(self) -> str:
         return f"<Ranges of {self._neurons} neurons>"
 
@@ -45,6 +59,24 @@ class Ranges:
         """
         frame = Taps(taps)
         lib.vdna_range_observe(self._table.ctypes.data, self._neurons, frame.array, frame.count)
+
+    def merge(self, other: Ranges) -> None:
+        """Widen the ranges by all that `other` observed: exactly as if it had been observed here.
+
+        ValueError: the numbers of neurons differ
+        """
+        if not isinstance(other, Ranges):
+            raise TypeError(f"expected Ranges, got {type(other).__name__}")
+        if other._neurons != self._neurons:
+            raise ValueError(f"ranges of {other._neurons} neurons, expected {self._neurons}")
+        np.minimum(self._table[:, 0], other._table[:, 0], out=self._table[:, 0])
+        np.maximum(self._table[:, 1], other._table[:, 1], out=self._table[:, 1])
+
+    @property
+    def observed(self) -> NDArray[np.float32]:
+        """[neurons][2], a copy: the least and the greatest activation; infinity and minus infinity
+        as long as nothing was observed."""
+        return self._table.copy()
 
     def expand(self, factor: float = 1.2, rule: str = "about_midpoint") -> NDArray[np.float32]:
         """The table to bin with: what was observed, widened to leave a margin.

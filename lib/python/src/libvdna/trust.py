@@ -190,6 +190,26 @@ def trust_tables(
     return TrustTables(frames, own_scale, correlation, cells)
 
 
+def trust_recall(
+    live: StoredRun, candidate: StoredRun, tolerance: float, *, centred: bool = True
+) -> float:
+    """Let a run play the live one against a candidate: Recall@1, 0..1, the mean over its windows.
+
+    tolerance, centred: as for `trust_tables()`
+    returns: NaN if no frame has a label in one unit with the candidate's
+    VdnaError: NONFINITE for a number that is not finite, MISMATCH for different dimensions
+    """
+    scratch = block(lib.vdna_trust_pair_scratch_size(live._fields, candidate._fields))
+    relative, cell = np.empty(max(1, live.frames)), TrustCell()
+    lib.vdna_trust_pair(
+        live._fields, candidate._fields, tolerance, 0 if centred else 1,
+        scratch.ctypes.data, scratch.nbytes, relative.ctypes.data, byref(cell),
+    )  # fmt: skip
+    recall = np.array(cell.recall)
+    known = recall[~np.isnan(recall)]
+    return float(known.mean()) if known.size else float("nan")
+
+
 class MapTrust(NamedTuple):
     """What a map knows about itself, as the file trust.safetensors beside its experiences has it."""
 
