@@ -57,7 +57,7 @@ ROOMS = {
 }
 
 # The public headers of rooms whose name they do not bear.
-CORE_HEADERS = "activation camera_time emd explain hist image int8 knn pixels range rank status version window"
+CORE_HEADERS = "activation bounds camera_time emd explain hist image int8 knn pixels range rank status version window"
 HEADERS = {**{name: "lib/core" for name in CORE_HEADERS.split()},
            "experience_localise": "lib/map", "listener": "lib/transport", "map_trust": "lib/map",
            "message": "lib/transport", "parked": "lib/health"}
