@@ -200,6 +200,7 @@ void a_ranking_says_by_what_it_ranks_and_what_to_expect(void **)
     assert_true(ranking.json()["repeated"] == false);
     ranking->repeated = 1;
     assert_true(ranking.json()["repeated"] == true);
+    ranking->count = SAMPLE_COUNT; // for the end of it
 }
 
 void a_ranking_says_what_does_not_fit_and_what_would_help(void **)
