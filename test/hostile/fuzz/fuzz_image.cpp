@@ -104,12 +104,12 @@ vdna_image camera_image(const vdna_image &image, vdna::picture::FileConverter &c
     return image.pixelformat == file ? converter.convert(image.data, image.size) : image;
 }
 
-// A side of a whole picture, reduced as little as its side in the reduced picture shows.
-bool is_reduced(uint32_t side, uint32_t whole, uint32_t least)
+// A side of a whole picture, reduced as little as its length in the reduced picture shows.
+bool is_reduced(uint32_t length, uint32_t whole, uint32_t least)
 {
     for (uint32_t divisor = 1; divisor <= 8; divisor *= 2)
-        if (side == whole / divisor + (whole % divisor != 0))
-            return side >= least || side == whole;
+        if (length == whole / divisor + (whole % divisor != 0))
+            return length >= least || length == whole;
     return false;
 }
 
