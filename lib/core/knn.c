@@ -85,9 +85,11 @@ static const float number_max = 1e15f;
 /* Every how many rows one is tried for a first guess: neighbouring frames are alike. */
 enum { GUESS_STEP = 16 };
 
-/* The codes of a query lie on the stack, that of a microcontroller is small. Sums of their products
- * with a row's fit 32 bits. */
-enum { DIM_MAX = sizeof(void *) > 4 ? 4096 : 16, CODE_MAX = 127, QUERY_CODE_MAX = 4095 };
+/* A microcontroller has its map at hand, and a small stack. */
+enum { HAS_CODES = sizeof(void *) > 4 };
+
+/* The codes of a query lie on the stack. Sums of their products with a row's fit 32 bits. */
+enum { DIM_MAX = HAS_CODES ? 4096 : 1, CODE_MAX = 127, QUERY_CODE_MAX = 4095 };
 
 /* What is known of a row beside its codes. */
 typedef struct coded_row {
@@ -166,7 +168,7 @@ static void encode_row(const float *row, size_t dim, int8_t *codes, coded_row *o
 /* see vdna/knn.h */
 size_t vdna_knn_codes_size(uint32_t dim, uint32_t rows)
 {
-    if (dim == 0 || dim > DIM_MAX || rows == 0)
+    if (!HAS_CODES || dim == 0 || dim > DIM_MAX || rows == 0)
         return 0;
     const uint64_t size = rows * (sizeof(coded_row) + (uint64_t)dim);
     return size <= SIZE_MAX / 2 ? (size_t)size : 0;
