@@ -85,11 +85,10 @@ static const float number_max = 1e15f;
 /* Every how many rows one is tried for a first guess: neighbouring frames are alike. */
 enum { GUESS_STEP = 16 };
 
-/* A microcontroller has its map at hand, and a small stack. */
-enum { HAS_CODES = sizeof(void *) > 4 };
-
-/* The codes of a query lie on the stack. Sums of their products with a row's fit 32 bits. */
-enum { DIM_MAX = HAS_CODES ? 4096 : 1, CODE_MAX = 127, QUERY_CODE_MAX = 4095 };
+/* The codes of a query lie on the stack. Sums of their products with a row's fit 32 bits. No codes
+ * on a microcontroller: it has its map at hand, and a small stack. */
+enum { DIM_MAX = sizeof(void *) > 4 ? 4096 : 0, CODE_MAX = 127, QUERY_CODE_MAX = 4095 };
+enum { CODES = DIM_MAX + 1 }; /* of a query; 0 would be no size */
 
 /* What is known of a row beside its codes. */
 typedef struct coded_row {
@@ -159,7 +158,7 @@ VDNA_VECTORISED static void encode(const float *values, size_t dim, float larges
 
 static void encode_row(const float *row, size_t dim, int8_t *codes, coded_row *out)
 {
-    int16_t wide[DIM_MAX];
+    int16_t wide[CODES];
     encode(row, dim, largest_of(row, dim), CODE_MAX, wide, out);
     for (size_t i = 0; i < dim; i++)
         codes[i] = (int8_t)wide[i];
@@ -168,7 +167,7 @@ static void encode_row(const float *row, size_t dim, int8_t *codes, coded_row *o
 /* see vdna/knn.h */
 size_t vdna_knn_codes_size(uint32_t dim, uint32_t rows)
 {
-    if (!HAS_CODES || dim == 0 || dim > DIM_MAX || rows == 0)
+    if (dim == 0 || dim > DIM_MAX || rows == 0)
         return 0;
     const uint64_t size = rows * (sizeof(coded_row) + (uint64_t)dim);
     return size <= SIZE_MAX / 2 ? (size_t)size : 0;
@@ -217,7 +216,7 @@ typedef struct search {
     coded_row coded_query;
     double radius; /* a nearer row is within it */
     vdna_knn_match nearest;
-    int16_t query_codes[DIM_MAX];
+    int16_t query_codes[CODES];
 } search;
 
 /* Products of the query with `count` rows from `row` on, each `step` after the one before. */
