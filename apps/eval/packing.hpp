@@ -47,7 +47,8 @@ class Unpacker
     {
         if (count > (bytes_.size() - at_) / sizeof(T))
             return false;
-        std::memcpy(values, bytes_.data() + at_, count * sizeof(T));
+        if (count > 0) // none have no address
+            std::memcpy(values, bytes_.data() + at_, count * sizeof(T));
         at_ += count * sizeof(T);
         return true;
     }

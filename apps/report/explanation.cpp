@@ -40,19 +40,29 @@ std::string bar_cell(double value, double longest)
                        "\" height=\"8\"/></svg>");
 }
 
-std::string frames_cell(const ExampleFrames &frames)
+// Numbers of the frames with most and least.
+std::string text_of(const ExampleFrames &frames)
 {
-    return text_element("td class=\"number\"",
-                        frames.most < 0
-                            ? "\u2013"
-                            : std::to_string(frames.most) + " | " + std::to_string(frames.least));
+    return frames.most < 0 ? "\u2013"
+                           : std::to_string(frames.most) + " | " + std::to_string(frames.least);
 }
 
-std::string pictures_cell(const ExamplePictures &pictures)
+// Those of one run side by side; "" if there are none.
+std::string pictures_html(const ExamplePictures &pictures, const std::string &of,
+                          const std::string &which)
 {
-    return element("td", element("div class=\"pair\"",
-                                 photo_html(photo_jpeg(pictures.most), "live, most") +
-                                     photo_html(photo_jpeg(pictures.least), "live, least")));
+    const Encoded most = thumbnail_jpeg(pictures.most), least = thumbnail_jpeg(pictures.least);
+    if (most.bytes.empty() || least.bytes.empty())
+        return "";
+    return element("figure",
+                   element("div class=\"pair\"",
+                           photo_html(most, of + ", most") + photo_html(least, of + ", least")) +
+                       element("figcaption", text_element("b", of) + ", " + escaped(which)));
+}
+
+std::string name_of(const Explainer &explainer, const Reason &reason)
+{
+    return explainer.taps()[reason.tap].name + " " + std::to_string(reason.index);
 }
 
 bool has_bins(const Explainer &explainer)
@@ -69,8 +79,6 @@ std::vector<std::string> heads_of(const Explanation &explanation)
         heads.insert(heads.end(), {"Mean bin, live", "Mean bin, " + winner, "Mean bin, " + against,
                                    "Frames of " + winner + ", most | least",
                                    "Frames of " + against + ", most | least"});
-    if (!explanation.live.empty())
-        heads.emplace_back("Live, most | least");
     return heads;
 }
 
@@ -79,19 +87,38 @@ std::string row_of(const Explanation &explanation, size_t i)
     const Explainer &explainer = explanation.explainer;
     const Reason &reason = explainer.reasons()[i];
     const double longest = std::fabs(explainer.reasons().front().part.margin_bins);
-    std::string row =
-        text_element("th scope=\"row\"",
-                     explainer.taps()[reason.tap].name + " " + std::to_string(reason.index)) +
-        bar_cell(reason.part.margin_bins, longest) +
-        text_element("td class=\"number\"", share_text(explainer, reason.part)) +
-        number_cell(reason.part.winner_bins, 4) + number_cell(reason.part.against_bins, 4);
+    std::string row = text_element("th scope=\"row\"", name_of(explainer, reason)) +
+                      bar_cell(reason.part.margin_bins, longest) +
+                      text_element("td class=\"number\"", share_text(explainer, reason.part)) +
+                      number_cell(reason.part.winner_bins, 4) +
+                      number_cell(reason.part.against_bins, 4);
     if (has_bins(explainer))
         row += number_cell(reason.live_bin, 1) + number_cell(reason.winner_bin, 1) +
-               number_cell(reason.against_bin, 1) + frames_cell(reason.of_winner) +
-               frames_cell(reason.of_against);
-    if (!explanation.live.empty())
-        row += pictures_cell(explanation.live[i]);
+               number_cell(reason.against_bin, 1) +
+               text_element("td class=\"number\"", text_of(reason.of_winner)) +
+               text_element("td class=\"number\"", text_of(reason.of_against));
     return element("tr", row);
+}
+
+// What the named neurons see: for each, the frames of all runs with most and least of it.
+std::string pictures_section(const Explanation &explanation)
+{
+    std::string html;
+    for (size_t i = 0; i < explanation.pictures.size(); i++) {
+        const ReasonPictures &pictures = explanation.pictures[i];
+        const Reason &reason = explanation.explainer.reasons()[i];
+        const std::string figures = pictures_html(pictures.live, "live", "most | least") +
+                                    pictures_html(pictures.winner, explanation.winner,
+                                                  "frames " + text_of(reason.of_winner)) +
+                                    pictures_html(pictures.against, explanation.against,
+                                                  "frames " + text_of(reason.of_against));
+        if (!figures.empty())
+            html += text_element("h3", name_of(explanation.explainer, reason)) +
+                    element("div class=\"examples\"", figures);
+    }
+    return html.empty()
+               ? html
+               : "<h2>Frames with most and least of each neuron</h2>" + html + "<h2>Numbers</h2>";
 }
 
 } // namespace
@@ -151,7 +178,8 @@ std::string explanation_page(const Explanation &explanation, const std::string &
     std::string body = text_element("h1", headline);
     for (const std::string &fact : facts)
         body += text_element("p", fact);
-    return page(headline, body + reasons_table(explanation) + taps_table(explanation));
+    return page(headline, body + pictures_section(explanation) + reasons_table(explanation) +
+                              taps_table(explanation));
 }
 
 } // namespace vdna::report

@@ -1,7 +1,6 @@
 // Why one experience and not another: tables of neurons, and a page of its own.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,16 +9,21 @@
 namespace vdna::report
 {
 
-// Pictures of the live run that have most and least of a neuron; "" = there is none.
+// Thumbnails of the frames that have most and least of a neuron; "" = there is none.
 struct ExamplePictures {
-    std::filesystem::path most, least;
+    std::string most, least;
+};
+
+// Of the live run and of both experiences.
+struct ReasonPictures {
+    ExamplePictures live, winner, against;
 };
 
 // Borrows from the explainer.
 struct Explanation {
     std::string winner, against; // names
     const Explainer &explainer;
-    std::vector<ExamplePictures> live = {}; // [reasons], or empty
+    std::vector<ReasonPictures> pictures = {}; // [reasons], or empty
 };
 
 // How much the neurons that are named make of the margin, without a full stop.
@@ -28,7 +32,7 @@ std::string sentence_of(const Explanation &explanation);
 // Share of the margin in percent, "31.2"; a dash where there is no margin.
 std::string share_text(const Explainer &explainer, const vdna_reason &part);
 
-// The neurons that are named, with what is known of them. Reads picture files.
+// The neurons that are named, with what is known of them.
 std::string reasons_table(const Explanation &explanation);
 
 // What each tap makes of the margin.

@@ -67,7 +67,7 @@ summary { cursor: pointer; padding: .5rem 0; }
 figure { margin: 0; }
 figcaption { font-size: .875rem; color: var(--faint); }
 figcaption b { color: var(--ink); }
-.matrices, .matches { display: flex; flex-wrap: wrap; gap: 1rem; padding: .4rem 0 1rem; }
+.matrices, .matches, .examples { display: flex; flex-wrap: wrap; gap: 1rem; padding: .4rem 0 1rem; }
 .panel { max-width: 100%; }
 svg { display: block; width: 100%; height: auto; font-family: inherit; }
 .charts {
@@ -82,7 +82,8 @@ svg.bar { width: 5rem; height: .6rem; margin-left: .6rem; }
 .against rect { fill: var(--wrong); }
 .pair { display: flex; gap: 4px; }
 .pair > * { width: 160px; max-width: calc(50% - 2px); height: auto; display: block; }
-.matches figure { border-top: 3px solid #009e73; padding-top: 4px; max-width: 324px; }
+.matches figure, .examples figure { max-width: 324px; }
+.matches figure { border-top: 3px solid #009e73; padding-top: 4px; }
 .matches figure.wrong { border-top: 3px dashed #d55e00; }
 .gone {
   padding: 1rem .5rem; font-size: .8rem; color: var(--faint); border: 1px dashed var(--line);

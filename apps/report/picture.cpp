@@ -20,30 +20,39 @@ namespace
 
 constexpr int photo_width = 160; // pixels
 constexpr int photo_quality = 70;
+constexpr uint32_t thumbnail_pixels_max = 1u << 20; // of a file that may be anybody's
 
-struct CloseDecoder {
-    void operator()(vdna_decoder *decoder) const { vdna_decoder_close(decoder); }
-};
+vdna_image encoded_image(const void *bytes, size_t size)
+{
+    return {static_cast<const uint8_t *>(bytes), size, 0, 0, 0, VDNA_PIXEL_ENCODED};
+}
+
+// Empty if it is not a picture, or has more than pixels_max.
+cv::Mat decoded(const vdna_image &image, uint32_t pixels_max)
+{
+    vdna_decoder *opened = nullptr;
+    if (vdna_decoder_open(pixels_max, nullptr, &opened) != VDNA_OK)
+        return {};
+    const std::unique_ptr<vdna_decoder, decltype(&vdna_decoder_close)> decoder(opened,
+                                                                               vdna_decoder_close);
+    vdna_pixels pixels;
+    if (vdna_decoder_decode(decoder.get(), &image, nullptr, &pixels) != VDNA_OK)
+        return {};
+    // Pixels of either kind of file are BGR.
+    return cv::Mat(static_cast<int>(pixels.height), static_cast<int>(pixels.width), CV_8UC3,
+                   const_cast<uint8_t *>(pixels.data), pixels.stride)
+        .clone();
+}
 
 // The picture as the network sees it; empty if the file is unreadable or not a picture.
 cv::Mat read_pixels(const std::filesystem::path &file)
 {
-    vdna_decoder *opened = nullptr;
-    if (vdna_decoder_open(VDNA_IMAGE_PIXELS_MAX, nullptr, &opened) != VDNA_OK)
-        return {};
-    const std::unique_ptr<vdna_decoder, CloseDecoder> decoder(opened);
     try {
         const std::vector<uint8_t> bytes = frames::read_picture(file);
         picture::FileConverter converter;
-        const vdna_image image = frames::camera_image(
-            {bytes.data(), bytes.size(), 0, 0, 0, VDNA_PIXEL_ENCODED}, file.string(), converter);
-        vdna_pixels pixels;
-        if (vdna_decoder_decode(decoder.get(), &image, nullptr, &pixels) != VDNA_OK)
-            return {};
-        // Pixels of either kind of file are BGR.
-        return cv::Mat(static_cast<int>(pixels.height), static_cast<int>(pixels.width), CV_8UC3,
-                       const_cast<uint8_t *>(pixels.data), pixels.stride)
-            .clone();
+        return decoded(frames::camera_image(encoded_image(bytes.data(), bytes.size()),
+                                            file.string(), converter),
+                       VDNA_IMAGE_PIXELS_MAX);
     } catch (const frames::BadFrame &) {
         return {};
     }
@@ -79,6 +88,14 @@ Encoded photo_jpeg(const std::filesystem::path &file)
     Encoded picture{{}, width, height};
     cv::imencode(".jpg", pixels, picture.bytes, {cv::IMWRITE_JPEG_QUALITY, photo_quality});
     return picture;
+}
+
+Encoded thumbnail_jpeg(std::string_view jpeg)
+{
+    const cv::Mat pixels = decoded(encoded_image(jpeg.data(), jpeg.size()), thumbnail_pixels_max);
+    if (pixels.empty())
+        return {};
+    return {{jpeg.begin(), jpeg.end()}, pixels.cols, pixels.rows};
 }
 
 } // namespace vdna::report

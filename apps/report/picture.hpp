@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdna::report
@@ -26,5 +27,8 @@ Encoded shades_png(const Shades &shades, int side);
 
 // A small JPEG of a picture file; empty if the file can no longer be read.
 Encoded photo_jpeg(const std::filesystem::path &file);
+
+// A thumbnail as experience files have it, as it is; empty if it is no picture.
+Encoded thumbnail_jpeg(std::string_view jpeg);
 
 } // namespace vdna::report

@@ -1,14 +1,17 @@
 // vdna explain - says which neurons make the first experience nearer to a live run than the second.
 #include <algorithm>
 #include <functional>
+#include <optional>
 
 #include <vdna/cpp/error.hpp>
+#include <vdna/cpp/experience.hpp>
 #include <vdna/cpp/explainer.hpp>
 
 #include "program/exit_code.hpp"
 #include "program/print.hpp"
 #include "program/replaced_file.hpp"
 #include "program/text_table.hpp"
+#include "record/thumbnails.hpp"
 #include "report/explanation.hpp"
 #include "vdna/commands.hpp"
 #include "vdna/live_ranking.hpp"
@@ -31,9 +34,18 @@ struct ExplainOptions {
 class LiveFrames
 {
   public:
+    explicit LiveFrames(bool with_thumbnails)
+    {
+        if (with_thumbnails)
+            thumbnails_.emplace();
+    }
+
     void add(const record::Pass &pass)
     {
-        frames_.push_back({pass.frame().utime, pass.frame().name, pass.frame().file, {}});
+        frames_.push_back({pass.frame().utime,
+                           pass.frame().name,
+                           thumbnails_ ? thumbnails_->of(pass.frame()) : "",
+                           {}});
         for (size_t t = 0; t < pass.output().tap_count; t++)
             add(pass.output().taps[t], frames_.back().neurons);
     }
@@ -52,7 +64,7 @@ class LiveFrames
     struct Live {
         int64_t utime;
         std::string name;
-        std::filesystem::path file;
+        std::string thumbnail;      // JPEG; "" = none
         std::vector<float> neurons; // means over the samples
     };
     const Live &most(uint32_t neuron) const
@@ -85,6 +97,7 @@ class LiveFrames
         }
     }
 
+    std::optional<record::Thumbnails> thumbnails_;
     std::vector<Live> frames_;
 };
 
@@ -130,6 +143,7 @@ struct Told {
     const Ranking &ranking;
     const report::Explanation &explanation;
     const LiveFrames &live;
+    const vdna_experience &winner, &against;
     bool has_examples; // of the map
 };
 
@@ -237,22 +251,29 @@ void print_json(const Told &told)
     program::print_json(json);
 }
 
-std::vector<report::ExamplePictures> pictures_of(const Explainer &explainer, const LiveFrames &live)
+report::ExamplePictures pictures_of(const vdna_experience &e, const ExampleFrames &frames)
 {
-    std::vector<report::ExamplePictures> pictures;
-    for (const Reason &reason : explainer.reasons()) {
-        const LiveFrames::Live &most = live.most(reason.part.neuron);
-        if (most.file.empty())
-            return {}; // of a video or a log
-        pictures.push_back({most.file, live.least(reason.part.neuron).file});
-    }
+    if (frames.most < 0)
+        return {};
+    return {std::string(thumbnail_of(e, static_cast<uint32_t>(frames.most))),
+            std::string(thumbnail_of(e, static_cast<uint32_t>(frames.least)))};
+}
+
+std::vector<report::ReasonPictures> pictures_of(const Told &told)
+{
+    std::vector<report::ReasonPictures> pictures;
+    for (const Reason &reason : told.explanation.explainer.reasons())
+        pictures.push_back({{told.live.most(reason.part.neuron).thumbnail,
+                             told.live.least(reason.part.neuron).thumbnail},
+                            pictures_of(told.winner, reason.of_winner),
+                            pictures_of(told.against, reason.of_against)});
     return pictures;
 }
 
 void write_page(const Told &told, const std::string &path)
 {
     report::Explanation explanation = told.explanation;
-    explanation.live = pictures_of(explanation.explainer, told.live);
+    explanation.pictures = pictures_of(told);
     std::vector<std::string> facts = {told.ranking.expectation->sentence + ".",
                                       sentence_of(explanation) + "."};
     if (!told.has_examples)
@@ -265,7 +286,7 @@ void write_page(const Told &told, const std::string &path)
 
 void explain(const ExplainOptions &options)
 {
-    LiveFrames frames;
+    LiveFrames frames(!options.html.empty());
     const LiveRanking live(options.live, [&](const record::Pass &pass) { frames.add(pass); });
     frames.keep(vdna_select_first_utime(&live.select()), vdna_select_last_utime(&live.select()));
     const Pair pair = pair_of(options, live.ranking());
@@ -274,7 +295,11 @@ void explain(const ExplainOptions &options)
     Explainer explainer(live.identity(), options.top);
     require(explainer.explain(live.live(), winner, against), options.live.path);
     const report::Explanation explanation{winner.name, against.name, explainer};
-    const Told told{live.ranking(), explanation, frames,
+    const Told told{live.ranking(),
+                    explanation,
+                    frames,
+                    winner,
+                    against,
                     explainer.reasons().front().of_winner.most >= 0 &&
                         explainer.reasons().front().of_against.most >= 0};
     if (!options.html.empty())
@@ -315,8 +340,7 @@ void add_explain(CLI::App &app)
     add_labels_option(*command, options->live.source);
     add_track_options(*command, options->live.source);
     command->add_flag("--json", options->json, "report as JSON");
-    command
-        ->add_option("--html", options->html, "also write a page, with pictures of a live folder")
+    command->add_option("--html", options->html, "also write a page, with pictures of the frames")
         ->type_name("FILE");
     command->footer("The contributions of all neurons sum to the margin between both experiences, "
                     "and to both distances: see docs/concepts/visual-dna.md.\n\n"

@@ -3,6 +3,7 @@ Python, and the reasons in the daemon's ranking.
 
 Environment: VDNA_BIN (folder of the programs).
 """
+import base64
 import json
 import math
 import os
@@ -51,6 +52,11 @@ def example_frames(experience, neuron):
     most = values.index(max(values))
     least = max((f for f, value in enumerate(values) if value == min(values)), key=lambda f: (abs(f - most), -f))
     return {"most": most, "least": least}
+
+
+def thumbnail(experience, frame):
+    ends = [0] + experience.tensors["frame_thumbnail_end"]
+    return bytes(experience.tensors["thumbnails"][ends[frame]:ends[frame + 1]])
 
 
 class Explain(WithConfiguration):
@@ -125,13 +131,31 @@ class Explain(WithConfiguration):
         text = vdna("explain", self.live, self.map, "--warmup", WARMUP, "--winner", "night").stdout
         self.assertRegex(text, r"\nnight is [0-9.]+ bins farther than winter: ")
 
-    def test_the_page_shows_live_pictures_and_fetches_nothing(self):
+    def test_the_page_shows_frames_of_all_three_and_fetches_nothing(self):
         page = self.work / "why.html"
         told = self.explain("--html", page)
         html = page.read_text(encoding="utf-8")
         self.assertIn("Why winter and not " + told["against"], html)
-        self.assertEqual(html.count('<img class="photo"'), 2 * len(told["reasons"]))
+        for whose in ("live", "winter", told["against"]):
+            for extreme in ("most", "least"):
+                self.assertEqual(html.count(f'alt="{whose}, {extreme}"'), len(told["reasons"]), whose)
+        first = told["reasons"][0]["winner_frames"]["most"]
+        self.assertIn(base64.b64encode(thumbnail(self.files["winter"], first)).decode(), html)
         self.assertNotIn('src="http', html)
+
+    def test_a_log_has_pictures_of_its_frames_too(self):
+        page = self.work / "of_log.html"
+        _, log = self.replay(self.map)
+        told = self.explain("--html", page, live=log)
+        self.assertEqual(page.read_text(encoding="utf-8").count('alt="live, most"'), len(told["reasons"]))
+
+    def test_a_map_without_thumbnails_has_numbers_alone(self):
+        page, world = self.work / "numbers.html", self.work / "no_thumbnails"
+        vdna("build", "--no-thumbnails", world, self.work / "summer", self.work / "winter")
+        self.explain("--html", page, world=world)
+        html = page.read_text(encoding="utf-8")
+        self.assertIn('alt="live, most"', html)
+        self.assertNotIn('alt="winter, most"', html)
 
     def test_a_network_that_counts_another_layer_gives_no_example_frames_and_says_why(self):
         world = self.work / "papers"

@@ -18,6 +18,7 @@ from tiny_network import write_tiny_network
 VDNA = Path(os.environ["VDNA_BIN"]) / "vdna"
 CC, LIBRARY, INCLUDE = (os.environ[name] for name in ("VDNA_CC", "VDNA_STATIC", "VDNA_INCLUDE"))
 STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror"]
+SANITIZER = [f"-fsanitize={names}" for names in [os.environ["VDNA_SANITIZE"]] if names]  # of libvdna.a
 LIVE, CANDIDATES = "day-1.b", ["night", "summer"]
 
 PROGRAM = r"""
@@ -46,6 +47,8 @@ int main(void)
         return 1;
     for (int i = 0; i < 2; i++)
         printf("%s %.17g\n", e[1 + ranking[i].candidate].name, ranking[i].distance_bins);
+    for (int i = 0; i < 3; i++)
+        vdna_experience_close(&e[i]);
     return 0;
 }
 """
@@ -86,7 +89,7 @@ class Export(unittest.TestCase):
         for path in sources:
             self.assertIn(f"{path}: {path.stem}, ", said)
         (self.out / "ranks.c").write_text(PROGRAM, encoding="ascii")
-        self.compile("-I", INCLUDE, "ranks.c", *sources, LIBRARY, "-lmd", "-lm", "-o", "ranks")
+        self.compile("-I", INCLUDE, "ranks.c", *sources, LIBRARY, *SANITIZER, "-lmd", "-lm", "-o", "ranks")
         found = [line.split() for line in subprocess.run(
             [self.out / "ranks"], check=True, text=True, stdout=subprocess.PIPE).stdout.splitlines()]
         expected = json.loads(self.vdna(

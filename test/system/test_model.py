@@ -19,6 +19,8 @@ from pathlib import Path
 
 import numpy as np
 
+from selectord import SANITIZED
+
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "models"))
 from quantise import manifest_text  # noqa: E402
@@ -240,6 +242,7 @@ class Inputs(unittest.TestCase):
 
 
 class Processor(unittest.TestCase):
+    @unittest.skipIf(SANITIZED, "QEMU has no room for a sanitizer's shadow memory")
     def test_without_vnni_an_int8_network_is_refused(self):
         if not shutil.which("qemu-x86_64") or os.uname().machine != "x86_64":
             self.skipTest("no qemu-x86_64 to be a processor without VNNI")

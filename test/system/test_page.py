@@ -198,8 +198,8 @@ class Page(unittest.TestCase):
         self.browser.wait_for("document.querySelector('#commands button')?.disabled")
         self.assertIn("token", self.browser.value(text_of("sent")))
         self.open(self.serve.origin + "/#wrong")
-        self.browser.value("location.reload()")
-        self.browser.wait_for("document.querySelector('#commands button')?.disabled === false")
+        self.browser.value("window.isOld = true; location.reload()")
+        self.browser.wait_for("!window.isOld && document.querySelector('#commands button')?.disabled === false")
         self.assertEqual(self.browser.value("location.hash"), "")  # not for others to see
         self.browser.value("document.querySelector('#commands button').click()")
         self.browser.wait_for(text_of("sent") + ".includes('token is wrong')")

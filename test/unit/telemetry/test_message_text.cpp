@@ -1,6 +1,7 @@
 // Messages as text. Samples are made from the tables of their types.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <set>
 #include <string>
@@ -134,7 +135,7 @@ void an_unsure_answer_says_how_unsure(void **)
     assert_true(json["frame"] == 7 && json["nearest_frame"] == 9 && json["distance"] == 0.5);
 }
 
-// A message of a type, made from its table, to be changed; its texts have room for four bytes.
+// A message of a type, made from its table, to be changed.
 template <typename Message>
 class Sample
 {
@@ -155,13 +156,20 @@ class Sample
     Message *const message_;
 };
 
+// Give a message another text; it frees its texts.
+void set_text(char *&member, const char *text)
+{
+    std::free(member);
+    member = strdup(text);
+}
+
 // A ranking of one experience, "text".
 void fill_ranking(Sample<vdna_msg_ranking_t> &ranking)
 {
-    std::strcpy(ranking->ranked_by, "emd");
-    std::strcpy(ranking->verdict, "");
-    std::strcpy(ranking->previous, "");
-    std::strcpy(ranking->no_prediction, "");
+    set_text(ranking->ranked_by, "emd");
+    set_text(ranking->verdict, "");
+    set_text(ranking->previous, "");
+    set_text(ranking->no_prediction, "");
     ranking->validity = VDNA_MSG_RANKING_T_VALID;
     ranking->window_frames = 42;
     ranking->margin_bins = 1.75;
@@ -184,14 +192,15 @@ void a_ranking_says_by_what_it_ranks_and_what_to_expect(void **)
                         "text\n             selected text of 1 after 42 frames: expects 75 % (50 "
                         "to 100) of frames right\n          1  text                             "
                         "    5.500 bins, predicted recall 0.75 (0.50 to 1.00)");
-    std::strcpy(ranking->no_prediction, "why");
+    set_text(ranking->no_prediction, "why");
     assert_true(ranking.text().find("; no prediction: why\n") != std::string::npos);
-    std::strcpy(ranking->previous, "snow");
+    set_text(ranking->previous, "snow");
     assert_true(ranking.text().find(" in place of snow, ") != std::string::npos);
     ranking->repeated = 0;
     assert_true(ranking.json()["repeated"] == false);
     ranking->repeated = 1;
     assert_true(ranking.json()["repeated"] == true);
+    ranking->count = SAMPLE_COUNT; // for the end of it
 }
 
 void a_ranking_says_what_does_not_fit_and_what_would_help(void **)
@@ -199,7 +208,7 @@ void a_ranking_says_what_does_not_fit_and_what_would_help(void **)
     Sample<vdna_msg_ranking_t> ranking(vdna_message_ranking);
     fill_ranking(ranking);
     ranking->validity = VDNA_MSG_RANKING_T_NONE_FITS;
-    std::strcpy(ranking->verdict, "unlike");
+    set_text(ranking->verdict, "unlike");
     ranking->predicted_recall[0] = NAN;
     assert_string_equal(ranking.text().c_str(),
                         "ranking      NONE_FITS unlike after 42 frames, by emd, margin 1.750 "
