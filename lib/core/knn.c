@@ -85,9 +85,10 @@ static const float number_max = 1e15f;
 /* Every how many rows one is tried for a first guess: neighbouring frames are alike. */
 enum { GUESS_STEP = 16 };
 
-/* The codes of a query lie on the stack, that of a microcontroller is small. Sums of their products
- * with a row's fit 32 bits. */
-enum { DIM_MAX = sizeof(void *) > 4 ? 4096 : 16, CODE_MAX = 127, QUERY_CODE_MAX = 4095 };
+/* The codes of a query lie on the stack. Sums of their products with a row's fit 32 bits. No codes
+ * on a microcontroller: it has its map at hand, and a small stack. */
+enum { DIM_MAX = sizeof(void *) > 4 ? 4096 : 0, CODE_MAX = 127, QUERY_CODE_MAX = 4095 };
+enum { CODES = DIM_MAX + 1 }; /* of a query; 0 would be no size */
 
 /* What is known of a row beside its codes. */
 typedef struct coded_row {
@@ -157,7 +158,7 @@ VDNA_VECTORISED static void encode(const float *values, size_t dim, float larges
 
 static void encode_row(const float *row, size_t dim, int8_t *codes, coded_row *out)
 {
-    int16_t wide[DIM_MAX];
+    int16_t wide[CODES];
     encode(row, dim, largest_of(row, dim), CODE_MAX, wide, out);
     for (size_t i = 0; i < dim; i++)
         codes[i] = (int8_t)wide[i];
@@ -215,7 +216,7 @@ typedef struct search {
     coded_row coded_query;
     double radius; /* a nearer row is within it */
     vdna_knn_match nearest;
-    int16_t query_codes[DIM_MAX];
+    int16_t query_codes[CODES];
 } search;
 
 /* Products of the query with `count` rows from `row` on, each `step` after the one before. */

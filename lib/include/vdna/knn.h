@@ -44,8 +44,8 @@ VDNA_API vdna_status vdna_knn(const float *query, uint32_t dim, const float *map
  * time, depends on the data: with rows that are all about as far away, it is longer than that of
  * vdna_knn() by a quarter. */
 
-/** Bytes that vdna_knn_encode() needs; 0 if there are no codes: `dim` or `rows` is 0, or `dim`
- * above 4096, where pointers have 32 bits above 16. */
+/** Bytes that vdna_knn_encode() needs; 0 if there are no codes: `dim` or `rows` is 0, `dim` above
+ *  4096, or pointers have 32 bits. */
 VDNA_API size_t vdna_knn_codes_size(uint32_t dim, uint32_t rows);
 
 /** Make the codes of a map.
