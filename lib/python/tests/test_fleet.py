@@ -333,6 +333,35 @@ def test_counting_again_is_as_building_anew(tmp_path):
         assert stored.labels == ("ring", "summer")
 
 
+@pytest.mark.skipif("VDNA" not in os.environ, reason="no program vdna; its path goes to $VDNA")
+def test_ranges_and_bins_are_those_of_the_program(tmp_path):
+    """With the network whose tap is the embedding."""
+    vdna, paper = os.environ["VDNA"], ("--backbone", "efficientnet_lite0_paper")
+
+    def run(*arguments):
+        subprocess.run([vdna, *map(str, arguments)], check=True, capture_output=True, cwd=tmp_path)
+
+    for drive in ("one", "two"):
+        run("simulate", drive, "--frames", 4, "--size", "96x72", "--drive", len(drive) + ord(drive[0]))
+    run("calibrate", "one.json", "one", *paper)
+    run("calibrate", "two.json", "two", *paper)
+    run("calibrate", "both.json", "one", "two", *paper)
+    files = [json.loads((tmp_path / f"{name}.json").read_text()) for name in ("one", "two", "both")]
+    assert fleet.merged_ranges(files[:2]) == files[2]
+
+    run("build", "old", "two", "--ranges", "one.json", *paper)
+    run("build", "new", "two", "--ranges", "both.json", *paper)
+    collection = fleet.Collection(str(tmp_path / "fleet"))
+    old = (tmp_path / "old" / "two.vdna").read_bytes()
+    collection.add(old, fleet.Labels())
+    comparable = collection.only_comparable()
+    collection.put("ranges.json", (tmp_path / "both.json").read_bytes())
+    assert fleet.rebin(collection, comparable, threads) == (1, 0, [])
+    (other,) = set(collection.comparables()) - {comparable}
+    new = (tmp_path / "new" / "two.vdna").read_bytes()
+    assert collection.load(other, "two").experience.to_bytes() == new != old
+
+
 def test_only_what_was_counted_from_embeddings_is_counted_again():
     one = experience("drive")
     other = one.with_histogram(experience("other", seed=9).histogram)
