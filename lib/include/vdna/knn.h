@@ -44,13 +44,18 @@ VDNA_API vdna_status vdna_knn(const float *query, uint32_t dim, const float *map
  * time, depends on the data: with rows that are all about as far away, it is longer than that of
  * vdna_knn() by a quarter. */
 
-/** Bytes that vdna_knn_encode() needs; 0 if there are no codes: `dim` or `rows` is 0, `dim` above
- *  4096, or pointers have 32 bits. */
+/** Bytes that vdna_knn_encode() needs.
+ *  @param dim   of each row
+ *  @param rows  of the map
+ *  @return bytes; 0 if there are no codes: `dim` or `rows` is 0, `dim` above 4096, or pointers have
+ *          32 bits */
 VDNA_API size_t vdna_knn_codes_size(uint32_t dim, uint32_t rows);
 
 /** Make the codes of a map.
  *  @param map  [rows][dim], within -1e15..1e15
- *  @param mem  aligned for double, vdna_knn_codes_size() bytes or more; holds the codes
+ *  @param dim, rows  for which there are codes
+ *  @param mem  aligned for double; holds the codes
+ *  @param mem_size  bytes of mem, vdna_knn_codes_size() or more
  *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_NOMEM if too small; VDNA_ERR_NONFINITE for a number that
  *          is not finite, or beyond that. After an error `mem` is unchanged. */
 VDNA_API vdna_status vdna_knn_encode(const float *map, uint32_t dim, uint32_t rows, void *mem,

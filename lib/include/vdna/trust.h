@@ -168,7 +168,9 @@ VDNA_API vdna_status vdna_trust_nearest(const float *embedding, const float *fra
                                         uint32_t count, double *out_relative, uint32_t *out_index);
 
 /** The same of a run, by its codes if it has any.
+ *  @param embedding  [run->dim], as for vdna_trust_nearest()
  *  @param run  of which embeddings, codes, frames and dim are read
+ *  @param out_relative, out_index  as for vdna_trust_nearest()
  *  @return as vdna_trust_nearest() */
 VDNA_API vdna_status vdna_trust_nearest_in(const float *embedding, const vdna_trust_run *run,
                                            double *out_relative, uint32_t *out_index);
