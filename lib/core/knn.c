@@ -87,7 +87,7 @@ enum { GUESS_STEP = 16 };
 
 /* The codes of a query lie on the stack. Sums of their products with a row's fit 32 bits. No codes
  * on a microcontroller: it has its map at hand, and a small stack. */
-enum { DIM_MAX = sizeof(void *) > 4 ? 4096 : 0, CODE_MAX = 127, QUERY_CODE_MAX = 4095 };
+enum { DIM_MAX = sizeof(void *) > 4 ? 4096 : 0, ROW_CODE_MAX = 127, QUERY_CODE_MAX = 4095 };
 enum { CODES = DIM_MAX + 1 }; /* of a query; 0 would be no size */
 
 /* What is known of a row beside its codes. */
@@ -114,7 +114,7 @@ VDNA_VECTORISED_FROM_V2 static float largest_of(const float *values, size_t dim)
     return magnitude;
 }
 
-static inline int16_t code_of(float value, float per_unit)
+static inline int16_t rounded_code(float value, float per_unit)
 {
     const float steps = value * per_unit;
     return (int16_t)(steps < 0 ? steps - 0.5f : steps + 0.5f);
@@ -136,7 +136,7 @@ VDNA_VECTORISED static void encode(const float *values, size_t dim, float larges
     const float scale = largest / most, per_unit = scale > 1e-30f ? 1 / scale : 0;
     int64_t square = 0;
     for (size_t i = 0; i < dim; i++)
-        codes[i] = code_of(values[i], per_unit);
+        codes[i] = rounded_code(values[i], per_unit);
     for (size_t i = 0; i < dim; i++)
         square += (int32_t)codes[i] * codes[i];
 
@@ -159,7 +159,7 @@ VDNA_VECTORISED static void encode(const float *values, size_t dim, float larges
 static void encode_row(const float *row, size_t dim, int8_t *codes, coded_row *out)
 {
     int16_t wide[CODES];
-    encode(row, dim, largest_of(row, dim), CODE_MAX, wide, out);
+    encode(row, dim, largest_of(row, dim), ROW_CODE_MAX, wide, out);
     for (size_t i = 0; i < dim; i++)
         codes[i] = (int8_t)wide[i];
 }
