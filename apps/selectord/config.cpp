@@ -98,8 +98,7 @@ const std::array<Setting, 46> settings{{
      "\"emd\": by distance"},
     {"select", "exact_distances", &Config::exact_distances, 0, UINT32_MAX,
      "this many of the first experiences of the ranking have their distance, the rest a lower "
-     "bound "
-     "of it, which saves time with many experiences; 0: all"},
+     "bound of it, which saves time with many experiences; 0: all"},
     {"select", "min_recall", &Config::min_recall, 0, 1,
      "no experience fits if less than this share of right answers is predicted of the best"},
     {"select", "stop_early", &Config::stop_early, 0, 0,
