@@ -25,4 +25,11 @@
 #define VDNA_VECTORISED_FROM_V2 VDNA_VECTORISED
 #endif
 
+/* Begin to fetch what is at an address, which must lie in an object. */
+#ifdef __GNUC__
+#define VDNA_FETCH(address) __builtin_prefetch(address)
+#else
+#define VDNA_FETCH(address) ((void)(address))
+#endif
+
 #endif

@@ -22,6 +22,7 @@ def run(context):
         for count in [2] if small else [4, 100, 1000]:
             if neurons * count < 3e6 or not context.quick:
                 yield emd(context, neurons, count)
+    yield pairs(context, *((16, 8) if small else (768, 64)))
     for neurons, count in [(16, 8)] if small else [(768, 100), (128, 1000)]:
         yield top_of_ranking(context, neurons, count)
     for rows, dim in [(50, 8)] if small else [(1150, 128), (1150, 768), (100000, 768)]:
@@ -142,6 +143,34 @@ def emd(context, neurons, count):
                                 "speedup": theirs["speedup"] * len(used) / done}
     return (f"EMD {neurons} neurons, K={count}", "us/candidate", 1e6, timed,
             {"distinct_candidates": distinct})
+
+
+def pairs(context, neurons, count):
+    """Distances of each of `count` live runs to each of as many candidates."""
+    from libvdna import HistogramView
+    from libvdna._arrays import block
+    from libvdna._library import HistView, c_double, lib
+    ranges = np.tile(np.float32([0, 1]), (neurons, 1))
+    sides = []
+    for mass, seed in ((LIVE, 0), (MAP, count)):
+        tables = [HistogramView(ranges, random_dna(neurons, mass, seed + i)) for i in range(count)]
+        sides.append((tables, (HistView * count)(*[table._view for table in tables])))
+    (_, live), (_, candidates) = sides
+    scratch = block(lib.vdna_emd_block_scratch_size(neurons))
+    distances, one = np.empty((count, count)), c_double()
+
+    def ours():
+        lib.vdna_emd_block(live, count, candidates, count, scratch.ctypes.data, scratch.nbytes,
+                           distances.ctypes.data)
+
+    def one_by_one():
+        for p in live:
+            for q in candidates:
+                lib.vdna_emd_mean(p, q, scratch.ctypes.data, scratch.nbytes, one)
+
+    timed = scaled(compare(ours, {"vdna_emd_mean": one_by_one}, context.seconds), count * count)
+    assert distances[-1][-1] == one.value
+    return f"pairs of {count} and {count}, {neurons} neurons", "us/pair", 1e6, timed, {}
 
 
 def bootstraps(neurons, count):

@@ -42,6 +42,24 @@ VDNA_API vdna_status vdna_emd(const vdna_hist_view *p, const vdna_hist_view *q, 
 VDNA_API vdna_status vdna_emd_mean(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
                                    size_t scratch_size, double *out_distance_bins);
 
+/** Bytes of working memory of vdna_emd_block().
+ *  @param neurons  of the histograms to compare
+ *  @return bytes; 0 if `neurons` is 0 or too many to address */
+VDNA_API size_t vdna_emd_block_scratch_size(uint32_t neurons);
+
+/** Distances of many pairs: of each Visual DNA of one side to each of the other, with the bits of
+ *  vdna_emd_mean(). It is faster where either side has four or more, since counts are fetched once
+ *  for many pairs, as long as each Visual DNA has one mass, as those of a network with one tap do.
+ *  @param p, q     [count_p] and [count_q]; all compare
+ *  @param count_p, count_q  >= 1
+ *  @param scratch  aligned for int64_t, vdna_emd_block_scratch_size() bytes, overwritten
+ *  @param scratch_size  bytes of scratch
+ *  @param out_distance_bins  [count_p][count_q], 0..bins-1; unspecified after an error
+ *  @return as vdna_emd() */
+VDNA_API vdna_status vdna_emd_block(const vdna_hist_view *p, uint32_t count_p,
+                                    const vdna_hist_view *q, uint32_t count_q, void *scratch,
+                                    size_t scratch_size, double *out_distance_bins);
+
 #ifdef __cplusplus
 }
 #endif

@@ -7,7 +7,7 @@ import pytest
 from conftest import histogram_of
 
 from libvdna import Histogram, HistogramView, Status, VdnaError, bound_sums, emd, emd_bound
-from libvdna import emd_mean, nearest, rank, rank_top
+from libvdna import emd_block, emd_mean, nearest, rank, rank_top
 
 
 def exact_emd(p, q):
@@ -31,6 +31,17 @@ def test_the_distance_is_the_exact_one_rounded_once(random, unit_range):
     assert emd(p, q).tolist() == expected
     assert emd_mean(p, q) == (expected[0] + expected[1] + expected[2]) / 3
     assert emd(p, q).dtype == np.float64
+
+
+def test_many_pairs_have_the_distances_of_each(random, unit_range):
+    p, q = (
+        [HistogramView(unit_range, random.integers(0, 1000, (50, 3))) for _ in range(count)]
+        for count in (4, 5)
+    )
+    distances = emd_block(p, q)
+    assert distances.shape == (4, 5)
+    assert distances.tolist() == [[emd_mean(a, b) for b in q] for a in p]
+    refused(Status.ARG, emd_block, p, [])
 
 
 def test_moving_every_sample_by_k_bins_gives_k(unit_range):

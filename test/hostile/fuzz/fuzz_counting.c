@@ -309,6 +309,27 @@ static void check_top(const vdna_hist_view *live, const vdna_hist_view *views, u
     free(scratch), free(sums), free(live_sums);
 }
 
+/* Each of some Visual DNAs with each, as often as fills a group.
+ * @param views  of one shape */
+static void check_block(const vdna_hist_view *views, uint32_t count)
+{
+    enum { SIDE = 2 * HISTS };
+    vdna_hist_view side[SIDE];
+    double distances[SIDE][SIDE];
+    const size_t size = vdna_emd_block_scratch_size(views[0].neurons);
+    void *scratch = block_of(size);
+    for (uint32_t i = 0; i < SIDE; i++)
+        side[i] = views[i % count];
+    MUST(vdna_emd_block(side, SIDE, side, SIDE, scratch, size, distances[0]) == VDNA_OK);
+    for (uint32_t i = 0; i < SIDE; i++)
+        for (uint32_t j = 0; j < SIDE; j++) {
+            double mean = -1;
+            MUST(vdna_emd_mean(&side[i], &side[j], scratch, size, &mean) == VDNA_OK);
+            MUST(memcmp(&mean, &distances[i][j], sizeof mean) == 0);
+        }
+    free(scratch);
+}
+
 static void compare(calls *c, machine *m)
 {
     const counted *live = a_hist(c, m);
@@ -328,6 +349,7 @@ static void compare(calls *c, machine *m)
     if (vdna_rank(&p, views, count, scratch, size, ranking) == VDNA_OK) {
         check_ranking(ranking, count);
         check_top(&p, views, count, below(c, HISTS + 2), ranking);
+        check_block(views, count);
     }
     free(scratch);
 }

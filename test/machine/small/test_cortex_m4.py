@@ -11,7 +11,7 @@ from pathlib import Path
 
 from machine import SOURCES, CallGraph, Machine
 
-TEXT_MAX = 48 * 1024  # bytes, libgcc's arithmetic included; of them 16 KB are trust, which links apart
+TEXT_MAX = 51 * 1024  # bytes, libgcc's arithmetic included; of them 16 KB are trust, which links apart
 STACK_MAX = 1280  # bytes, libgcc's arithmetic included: a selector that calls a localiser
 
 try:

@@ -459,6 +459,15 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_hist_subtract": (POINTER(Hist), POINTER(Hist)),
         "vdna_emd": (POINTER(HistView), POINTER(HistView), address, size, address),
         "vdna_emd_mean": (POINTER(HistView), POINTER(HistView), address, size, POINTER(c_double)),
+        "vdna_emd_block": (
+            POINTER(HistView),
+            c_uint32,
+            POINTER(HistView),
+            c_uint32,
+            address,
+            size,
+            address,
+        ),
         "vdna_rank": (
             POINTER(HistView),
             POINTER(HistView),
@@ -600,6 +609,7 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         "vdna_hist_reset": (None, (POINTER(Hist),)),
         "vdna_hist_view_of": (None, (POINTER(Hist), POINTER(HistView))),
         "vdna_emd_scratch_size": (size, (c_uint32,)),
+        "vdna_emd_block_scratch_size": (size, (c_uint32,)),
         "vdna_bounds_size": (size, (c_uint32, c_uint32)),
         "vdna_rank_top_scratch_size": (size, (c_uint32, c_uint32)),
         "vdna_localise_map_config_init": (None, (POINTER(LocaliseMapConfig),)),

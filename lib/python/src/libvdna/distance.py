@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ctypes import c_double, c_uint8
+from ctypes import Array, c_double, c_uint8
 from typing import Iterable, List, NamedTuple, Sequence, SupportsIndex, Tuple
 
 import numpy as np
@@ -32,6 +32,11 @@ def _scratch_for(view: HistView) -> NDArray[np.int64]:
     return block(lib.vdna_emd_scratch_size(view.neurons))
 
 
+def _views(histograms: Sequence[HistogramView]) -> Array[HistView]:
+    """Never empty: C wants an address."""
+    return (HistView * max(1, len(histograms)))(*[view_of(h) for h in histograms])
+
+
 def emd(p: HistogramView, q: HistogramView) -> NDArray[np.float64]:
     """Distance of each neuron: the sum over the bins of |P[b] - Q[b]|, cumulative shares.
 
@@ -58,6 +63,30 @@ def emd_mean(p: HistogramView, q: HistogramView) -> float:
     return distance.value
 
 
+def emd_block(
+    p: Sequence[HistogramView], q: Sequence[HistogramView]
+) -> NDArray[np.float64]:
+    """Distances of many pairs: D of each of `p` to each of `q`, with the bits of emd_mean(), faster.
+
+    p, q: at least one each, all of one shape and the same ranges
+    returns: float64 [len(p)][len(q)], in bins
+    VdnaError: as emd(); ARG if a side is empty
+    """
+    views_p, views_q = _views(p), _views(q)
+    scratch = block(lib.vdna_emd_block_scratch_size(views_p[0].neurons))
+    distances = np.empty((len(p), len(q)), np.float64)
+    lib.vdna_emd_block(
+        views_p,
+        len(p),
+        views_q,
+        len(q),
+        scratch.ctypes.data,
+        scratch.nbytes,
+        distances.ctypes.data,
+    )
+    return distances
+
+
 def rank(live: HistogramView, candidates: Sequence[HistogramView]) -> List[RankEntry]:
     """Rank candidates by their distance to a live Visual DNA: nearest first, ties in their order.
 
@@ -65,7 +94,7 @@ def rank(live: HistogramView, candidates: Sequence[HistogramView]) -> List[RankE
     VdnaError: as emd(); ARG if there is no candidate
     """
     view = view_of(live)
-    views = (HistView * max(1, len(candidates)))(*[view_of(c) for c in candidates])
+    views = _views(candidates)
     places = (RankPlace * max(1, len(candidates)))()
     scratch = _scratch_for(view)
     lib.vdna_rank(view, views, len(candidates), scratch.ctypes.data, scratch.nbytes, places)
@@ -137,7 +166,7 @@ def rank_top(
         raise ValueError(f"{len(sums)} sums for {len(candidates)} candidates: give one for each")
     view = view_of(live)
     count = len(candidates)
-    views = (HistView * max(1, count))(*[view_of(c) for c in candidates])
+    views = _views(candidates)
     places, is_bound = (RankPlace * max(1, count))(), (c_uint8 * max(1, count))()
     each = [_sums_of(c, s).ravel() for c, s in zip(candidates, sums)]
     table = np.concatenate([np.empty(0, np.uint32), *each])

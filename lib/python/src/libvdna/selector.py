@@ -246,7 +246,7 @@ class Selector:
         """Whether the ranking has a lower bound of this candidate's distance: see `exact`. False
         during the warmup."""
         index = integer(candidate, "candidate", 0, self._candidates - 1)
-        return lib.vdna_select_is_bound(self._select, index) != 0
+        return bool(lib.vdna_select_is_bound(self._select, index))
 
     @property
     def margin_bins(self) -> Optional[float]:

@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow as pa  # type: ignore[import-untyped,unused-ignore]
 import pyarrow.parquet as pq  # type: ignore[import-untyped,unused-ignore]
 
-from ..distance import emd_mean
+from ..distance import emd_block, emd_mean
 from ..experience import Experience
 from ..histogram import HistogramView
 from . import engine
@@ -244,8 +244,11 @@ def _pairs_of_blocks(uri: str, comparable: str, left: List[str], right: List[str
     if collection.exists(key):
         return
     loaded = {name: collection.load(comparable, name).experience for name in {*left, *right}}
+    distances = emd_block(
+        [loaded[a].histogram for a in left], [loaded[b].histogram for b in right]
+    )
     rows = [
-        (a, b, emd_mean(loaded[a].histogram, loaded[b].histogram))
+        (a, b, float(distances[i, j]))
         for i, a in enumerate(left)
         for j, b in enumerate(right)
         if left != right or i < j
