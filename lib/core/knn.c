@@ -158,7 +158,7 @@ VDNA_VECTORISED static void encode(const float *values, size_t dim, float larges
 
 static void encode_row(const float *row, size_t dim, int8_t *codes, coded_row *out)
 {
-    int16_t wide[CODES];
+    int16_t wide[CODES] = {0};
     encode(row, dim, largest_of(row, dim), ROW_CODE_MAX, wide, out);
     for (size_t i = 0; i < dim; i++)
         codes[i] = (int8_t)wide[i];
@@ -244,7 +244,7 @@ static int may_be_nearest(const search *s, uint32_t row, int32_t product)
 /* Compare a row with the nearest so far as vdna_knn() does. */
 static void try_row(search *s, uint32_t row)
 {
-    float sq;
+    float sq = 0;
     distances_sq(s->query, s->map + row * s->dim, 1, s->dim, &sq);
     if (sq > s->nearest.distance_sq || (sq == s->nearest.distance_sq && row > s->nearest.index))
         return;
@@ -258,7 +258,7 @@ static void try_row(search *s, uint32_t row)
 /* The nearest of some rows by their codes. */
 static uint32_t guess(const search *s)
 {
-    int32_t product[BLOCK];
+    int32_t product[BLOCK] = {0};
     uint32_t best = 0;
     double least = INFINITY;
     for (uint32_t row = 0; row < s->rows;) {
@@ -276,7 +276,7 @@ static uint32_t guess(const search *s)
 
 static void try_all_rows(search *s)
 {
-    int32_t product[BLOCK];
+    int32_t product[BLOCK] = {0};
     for (uint32_t row = 0; row < s->rows; row += BLOCK) {
         const uint32_t count = s->rows - row < BLOCK ? s->rows - row : BLOCK;
         multiply(s, row, 1, count, product);
@@ -296,14 +296,14 @@ vdna_status vdna_knn_nearest(const float *query, uint32_t dim, const float *map,
     if (!(largest <= number_max))
         return vdna_knn(query, dim, map, rows, 1, out_match);
 
-    search s;
-    s.query = query;
-    s.map = map;
-    s.coded = codes;
-    s.codes = (const int8_t *)(s.coded + rows);
-    s.dim = dim;
-    s.rows = rows;
-    s.nearest = (vdna_knn_match){INFINITY, 0, 0};
+    const coded_row *const coded = codes;
+    search s = {.query = query,
+                .map = map,
+                .coded = coded,
+                .codes = (const int8_t *)(coded + rows),
+                .dim = dim,
+                .rows = rows,
+                .nearest = {INFINITY, 0, 0}};
     encode(query, dim, largest, QUERY_CODE_MAX, s.query_codes, &s.coded_query);
     try_row(&s, guess(&s));
     try_all_rows(&s);
