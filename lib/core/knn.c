@@ -137,8 +137,11 @@ VDNA_VECTORISED static void encode(const float *values, size_t dim, float larges
     int64_t square = 0;
     for (size_t i = 0; i < dim; i++)
         codes[i] = rounded_code(values[i], per_unit);
-    for (size_t i = 0; i < dim; i++)
-        square += (int32_t)codes[i] * codes[i];
+    for (size_t i = 0; i < dim; i++) {
+        const int32_t code = codes[i];
+        const int32_t code_sq = code * code;
+        square += code_sq;
+    }
 
     double lane[LANES] = {0}, error_sq = 0;
     size_t i = 0;
