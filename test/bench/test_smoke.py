@@ -260,7 +260,8 @@ class Gains(unittest.TestCase):
     def test_the_picture_has_ours_and_each_peer_and_needs_all_measurements(self):
         network, alone = "efficientnet_lite0", {"ONNX Runtime alone": 11}
         drive = [result(f"drive {network} fp32", 1, peers=alone),
-                 result(f"decision {network} fp32", 2, {"frames": 12}, {"all 100 frames": 3}),
+                 result(f"decision {network} fp32", 2,
+                        {"frames": 12, "as_good_percent": 90, "drives": 8}, {"all 100 frames": 3}),
                  result(f"decision {network} int8", 4)]
         sizes = [result(f"memory, {network}", 5, peers=alone),
                  result(f"installed, {network}", 6, peers={"vdna package": 7})]
@@ -270,7 +271,7 @@ class Gains(unittest.TestCase):
             gains.write(stored, Path(folder))
             text = (Path(folder) / "gains.svg").read_text()
         for shown in ("2 s<", "12 frames<", "3 s<", "4 s<", "5 MiB<", "6 MiB<", "7 MiB<", "11 s<",
-                      "11 MiB<", "a &lt; b"):
+                      "11 MiB<", "a &lt; b", "90 % of 8 drives"):
             self.assertIn(shown, text)
         sizes.pop()
         with tempfile.TemporaryDirectory() as folder:
