@@ -21,8 +21,7 @@ def write(stored, docs):
         (docs / "gains.svg").write_text(
             drawn(columns, f"Default network, JPEG pictures, {machine['cores']} cores of "
                            f"{machine['cpu']}. The early choice is as good as that of 100 frames in "
-                           f"{shown(more['as_good_percent'])} % of {more['drives']:.0f} drives. "
-                           "docs/reference/performance.md"),
+                           f"{shown(more['as_good_percent'])} % of {more['drives']:.0f} drives."),
             encoding="utf-8")
 
 
