@@ -98,8 +98,7 @@ def package_of(context, name, files):
 
 def last_frame(context, name, count, exact):
     """From the last frame of a warmup to the ranking: a warmup of one frame, repeated.
-    exact: places of the ranking that have a distance, not a bound; 0 = all. The map's random counts
-           are the worst case: all candidates are about as far away, so few bounds tell them apart"""
+    exact: places of the ranking that have a distance, not a bound; 0 = all"""
     manifest, frames = context.scene.manifest(name), 6 if context.tiny else 20
     picture = context.scene.pictures(3)[0].read_bytes()
     settings = context.scene.folder / f"exact-{exact}.toml"

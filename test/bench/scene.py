@@ -71,10 +71,10 @@ class Scene:
         return path
 
     def map(self, manifest, count):
-        """A map of drives along the route of the pictures, with random counts and MAP_FRAMES frames
-        each."""
+        """A map of drives along the route of the pictures, of MAP_FRAMES frames each, which look ever
+        less like it."""
         version = hashlib.sha256(manifest.read_bytes()).hexdigest()[:8]
-        folder = self.folder / "maps" / f"{manifest.stem}-{version}-{count}-drives"
+        folder = self.folder / "maps" / f"{manifest.stem}-{version}-{count}-looks"
         if not folder.exists():
             seed, part = (folder.with_suffix(end) for end in (".seed", ".part"))
             for path in (seed, part):
@@ -140,15 +140,25 @@ def drive_along(frames, random, count=MAP_FRAMES):
     return (places + change).astype(np.float32)
 
 
+def moved(counts, bins):
+    """Counts [bins][neurons], those of each neuron moved by so many bins, round the ends."""
+    rows = (np.arange(len(counts))[:, None] - bins) % len(counts)
+    return np.ascontiguousarray(np.take_along_axis(counts, rows, axis=0))
+
+
 def write_copies(path, folder, count):
-    """Drives like the one in `path`."""
+    """Drives like the one in `path`. The counts of a neuron are moved, the farther the later the
+    copy."""
     from group_core import random_dna
     from libvdna import Experience, HistogramView
     seed = Experience.open(path)
     random = np.random.default_rng(2)
     masses = seed.histogram.mass // seed.frames  # samples of a frame
+    whole, rest = divmod(MAP_FRAMES, seed.frames)
+    base = seed.histogram.counts * np.uint32(whole)
+    base += random_dna(seed.histogram.neurons, rest, 0) * masses.astype(np.uint32)
     for number in range(count):
-        counts = random_dna(seed.histogram.neurons, MAP_FRAMES, number) * masses.astype(np.uint32)
+        counts = moved(base, random.normal(0, 10 + 2 * number, base.shape[1]).astype(int))
         embeddings = drive_along(np.asarray(seed.embeddings), random)
         last_layer = None
         if seed.last_layer is not None:
