@@ -20,7 +20,6 @@ typedef struct encounter {
     const vdna_hist_view *p, *q;
     size_t count_p, count_q;
     vdna_span pair[GROUP][GROUP];
-    uint32_t is_even; /* all pairs are scaled alike, so their counts are scaled when fetched */
     tile_side side_p[GROUP], side_q[GROUP];
     uint32_t sum[GROUP][GROUP][TILE_NEURONS];
 } encounter;
@@ -33,11 +32,10 @@ size_t vdna_emd_block_scratch_size(uint32_t neurons)
 }
 
 VDNA_VECTORISED static void cumulate(const uint32_t *restrict counts, size_t neurons,
-                                     uint32_t scale, uint32_t *restrict cumulative,
-                                     uint32_t *restrict out_row)
+                                     uint32_t *restrict cumulative, uint32_t *restrict out_row)
 {
     for (size_t n = 0; n < neurons; n++)
-        out_row[n] = cumulative[n] += counts[n] * scale;
+        out_row[n] = cumulative[n] += counts[n];
 }
 
 /* Have the processor fetch counts that are needed for the next tile, while it works on this one:
@@ -50,40 +48,25 @@ static void fetch_ahead(const vdna_hist_view *view, size_t bin, size_t first, si
             VDNA_FETCH(view->counts + bin * view->neurons + first + n);
 }
 
-/* Cumulative counts of the bins of a tile, times `scale`; 0 behind the last bin but one.
+/* Cumulative counts of the bins of a tile; 0 behind the last bin but one.
  * @param first  neuron */
 static void fill_side(const vdna_hist_view *view, size_t bin, size_t first, size_t neurons,
-                      uint32_t scale, tile_side *side)
+                      tile_side *side)
 {
     for (size_t b = 0; b < TILE_BINS; b++) {
         fetch_ahead(view, bin + b + TILE_BINS, first, neurons);
         if (bin + b + 1 < view->bins)
-            cumulate(view->counts + (bin + b) * view->neurons + first, neurons, scale,
-                     side->cumulative, side->row[b]);
+            cumulate(view->counts + (bin + b) * view->neurons + first, neurons, side->cumulative,
+                     side->row[b]);
         else
             memset(side->row[b], 0, neurons * sizeof side->row[b][0]);
     }
 }
 
-/* Add |P - Q| over the bins of a tile. */
+/* Add |P - Q| over the bins of a tile; the factors make both of one mass. */
 VDNA_VECTORISED static void add_tile(const tile_side *restrict p, const tile_side *restrict q,
-                                     size_t neurons, uint32_t *restrict sum)
-{
-    for (size_t n = 0; n < neurons; n++) {
-        uint32_t s = sum[n];
-        for (size_t b = 0; b < TILE_BINS; b++) {
-            const int32_t d = (int32_t)(p->row[b][n] - q->row[b][n]);
-            s += (uint32_t)(d < 0 ? -d : d);
-        }
-        sum[n] = s;
-    }
-}
-
-/* The same where the sides are yet to be scaled. */
-VDNA_VECTORISED static void add_scaled_tile(const tile_side *restrict p,
-                                            const tile_side *restrict q, uint32_t scale_p,
-                                            uint32_t scale_q, size_t neurons,
-                                            uint32_t *restrict sum)
+                                     uint32_t scale_p, uint32_t scale_q, size_t neurons,
+                                     uint32_t *restrict sum)
 {
     for (size_t n = 0; n < neurons; n++) {
         uint32_t s = sum[n];
@@ -101,32 +84,26 @@ static int prepare(encounter *e)
 {
     if (e->count_p < WORTH_IT || e->count_q < WORTH_IT)
         return 0;
-    e->is_even = 1;
     for (size_t i = 0; i < e->count_p; i++)
         for (size_t j = 0; j < e->count_q; j++) {
             const vdna_span s = vdna_span_from(&e->p[i], &e->q[j], 0);
             if (s.count < e->p->neurons || s.mass > INT32_MAX / (e->p->bins - 1))
                 return 0;
             e->pair[i][j] = s;
-            e->is_even &= s.scale_p == e->pair[0][0].scale_p && s.scale_q == e->pair[0][0].scale_q;
         }
     return 1;
 }
 
 static void sum_bins(encounter *e, size_t bin, size_t first, size_t neurons)
 {
-    const vdna_span *const even = &e->pair[0][0];
     for (size_t i = 0; i < e->count_p; i++)
-        fill_side(&e->p[i], bin, first, neurons, e->is_even ? even->scale_p : 1, &e->side_p[i]);
+        fill_side(&e->p[i], bin, first, neurons, &e->side_p[i]);
     for (size_t j = 0; j < e->count_q; j++)
-        fill_side(&e->q[j], bin, first, neurons, e->is_even ? even->scale_q : 1, &e->side_q[j]);
+        fill_side(&e->q[j], bin, first, neurons, &e->side_q[j]);
     for (size_t i = 0; i < e->count_p; i++)
         for (size_t j = 0; j < e->count_q; j++)
-            if (e->is_even)
-                add_tile(&e->side_p[i], &e->side_q[j], neurons, e->sum[i][j]);
-            else
-                add_scaled_tile(&e->side_p[i], &e->side_q[j], e->pair[i][j].scale_p,
-                                e->pair[i][j].scale_q, neurons, e->sum[i][j]);
+            add_tile(&e->side_p[i], &e->side_q[j], e->pair[i][j].scale_p, e->pair[i][j].scale_q,
+                     neurons, e->sum[i][j]);
 }
 
 /* Add the distances of neurons to those of all pairs, in the order of the neurons, as
