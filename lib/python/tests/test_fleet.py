@@ -134,7 +134,7 @@ def test_bounds_are_at_most_the_distance(bins):
 def test_block_sums_leave_out_the_last_bin():
     counts = np.zeros((27, 1), np.uint32)
     counts[[0, 25, 26]] = [[2], [3], [5]]
-    sums = indexing.block_sums(libvdna.HistogramView([[0, 1]], counts))
+    sums = indexing.Summary.of(libvdna.HistogramView([[0, 1]], counts)).sums
     assert sums.tolist() == [[2 * 25], [5]]
 
 

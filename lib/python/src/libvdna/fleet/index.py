@@ -11,6 +11,7 @@ import pyarrow as pa  # type: ignore[import-untyped,unused-ignore]
 import pyarrow.parquet as pq  # type: ignore[import-untyped,unused-ignore]
 from numpy.typing import NDArray
 
+from ..distance import bound_sums
 from ..histogram import HistogramView
 from . import engine
 from .collection import Collection, DamagedObject, Stored, batches
@@ -42,15 +43,9 @@ def key_of(comparable: str) -> str:
     return f"index/{comparable}.parquet"
 
 
-def block_sums(dna: HistogramView) -> NDArray[np.uint32]:
-    """[blocks][neurons]: sums of the cumulative counts over blocks of BLOCK_BINS bins, without the
-    last bin, where every cumulative share is 1; the last block may have fewer."""
-    cumulative = np.cumsum(dna.counts[:-1], axis=0, dtype=np.int64)
-    begins = np.arange(0, len(cumulative), BLOCK_BINS)
-    sums = np.add.reduceat(cumulative, begins, axis=0)
-    if sums.max(initial=0) >= 1 << 32:
-        raise ValueError("a neuron has too many samples for the index, expected at most 171 million")
-    return sums.astype(np.uint32)
+def _blocks(bins: int) -> int:
+    """Of bound_sums()."""
+    return -(-(bins - 1) // BLOCK_BINS)
 
 
 def mean_bins(dna: HistogramView) -> NDArray[np.float32]:
@@ -77,11 +72,11 @@ class Summary(NamedTuple):
     means: NDArray[np.float32]
     """[neurons], of mean_bins()"""
     sums: NDArray[np.uint32]
-    """[blocks][neurons], of block_sums()"""
+    """[blocks][neurons], of bound_sums()"""
 
     @classmethod
     def of(cls, dna: HistogramView) -> Summary:
-        return cls(np.array(dna.mass), mean_bins(dna), block_sums(dna))
+        return cls(np.array(dna.mass), mean_bins(dna), bound_sums(dna))
 
 
 def bound_by_sums(p: Summary, q: Summary) -> float:
@@ -115,7 +110,6 @@ def _row_of(stored: Stored) -> Dict[str, Any]:
 
 
 def _schema(comparable: str, dna: HistogramView) -> Any:
-    blocks = -(-(dna.bins - 1) // BLOCK_BINS)
     metadata = {
         "version": VERSION,
         "comparable": comparable,
@@ -136,7 +130,7 @@ def _schema(comparable: str, dna: HistogramView) -> Any:
             ("sha256", pa.string()),
             ("mass", pa.list_(pa.uint32(), dna.neurons)),
             ("mean_bin", pa.list_(pa.float32(), dna.neurons)),
-            ("block_sums", pa.list_(pa.uint32(), blocks * dna.neurons)),
+            ("block_sums", pa.list_(pa.uint32(), _blocks(dna.bins) * dna.neurons)),
         ],
         metadata={"vdna": json.dumps(metadata, sort_keys=True)},
     )
@@ -342,9 +336,8 @@ class Index:
             if len(self._cached) == _GROUPS_CACHED:
                 del self._cached[next(iter(self._cached))]
             self.collection.bytes_read += self._sized[group]["block_sums"]
-            blocks = -(-(self.bins - 1) // BLOCK_BINS)
             table = self._file.read_row_group(group, ["block_sums"])
-            self._cached[group] = _matrix(table, "block_sums", blocks * self.neurons)
+            self._cached[group] = _matrix(table, "block_sums", _blocks(self.bins) * self.neurons)
         return self._cached[group]
 
     def load(self, row: int) -> Stored:
