@@ -6,14 +6,6 @@
 namespace vdna::record
 {
 
-Thumbnails::Thumbnails() : decoder_(nullptr, vdna_decoder_close)
-{
-    vdna_decoder *decoder = nullptr;
-    vdna_error error{};
-    require(vdna_decoder_open(VDNA_IMAGE_PIXELS_MAX, &error, &decoder), error);
-    decoder_.reset(decoder);
-}
-
 std::string Thumbnails::of(const frames::Frame &frame)
 {
     vdna_pixels pixels;

@@ -1,10 +1,9 @@
 // Thumbnails of frames, as experience files have them.
 #pragma once
 
-#include <memory>
 #include <string>
 
-#include <vdna/picture.h>
+#include <vdna/cpp/decoder.hpp>
 
 #include "frames/source.hpp"
 #include "picture/small_jpeg.hpp"
@@ -15,16 +14,16 @@ namespace vdna::record
 class Thumbnails
 {
   public:
-    Thumbnails();
-
     // A JPEG of at most VDNA_THUMBNAIL_MAX bytes; "" for a picture of which there is none so small.
     // frame: one that the network took, as Pass gives it. Throws Error.
     std::string of(const frames::Frame &frame);
 
     static constexpr uint32_t side_max = 160; // pixels
+    // To decode one, whose file may be anybody's.
+    static constexpr uint32_t pixels_max = 1u << 20;
 
   private:
-    std::unique_ptr<vdna_decoder, decltype(&vdna_decoder_close)> decoder_;
+    Decoder decoder_ = open_decoder(VDNA_IMAGE_PIXELS_MAX);
     picture::Shrinker shrinker_{side_max};
 };
 

@@ -1,16 +1,16 @@
 #include "report/picture.hpp"
 
 #include <algorithm>
-#include <memory>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include <vdna/picture.h>
+#include <vdna/cpp/decoder.hpp>
 
 #include "frames/camera_image.hpp"
 #include "frames/picture_list.hpp"
 #include "frames/source.hpp"
+#include "record/thumbnails.hpp"
 
 namespace vdna::report
 {
@@ -20,7 +20,6 @@ namespace
 
 constexpr int photo_width = 160; // pixels
 constexpr int photo_quality = 70;
-constexpr uint32_t thumbnail_pixels_max = 1u << 20; // of a file that may be anybody's
 
 vdna_image encoded_image(const void *bytes, size_t size)
 {
@@ -33,8 +32,7 @@ cv::Mat decoded(const vdna_image &image, uint32_t pixels_max)
     vdna_decoder *opened = nullptr;
     if (vdna_decoder_open(pixels_max, nullptr, &opened) != VDNA_OK)
         return {};
-    const std::unique_ptr<vdna_decoder, decltype(&vdna_decoder_close)> decoder(opened,
-                                                                               vdna_decoder_close);
+    const Decoder decoder(opened);
     vdna_pixels pixels;
     if (vdna_decoder_decode(decoder.get(), &image, nullptr, &pixels) != VDNA_OK)
         return {};
@@ -92,7 +90,8 @@ Encoded photo_jpeg(const std::filesystem::path &file)
 
 Encoded thumbnail_jpeg(std::string_view jpeg)
 {
-    const cv::Mat pixels = decoded(encoded_image(jpeg.data(), jpeg.size()), thumbnail_pixels_max);
+    const cv::Mat pixels =
+        decoded(encoded_image(jpeg.data(), jpeg.size()), record::Thumbnails::pixels_max);
     if (pixels.empty())
         return {};
     return {{jpeg.begin(), jpeg.end()}, pixels.cols, pixels.rows};

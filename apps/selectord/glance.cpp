@@ -1,7 +1,5 @@
 #include "selectord/glance.hpp"
 
-#include <vdna/cpp/error.hpp>
-
 namespace vdna::selectord
 {
 
@@ -13,18 +11,9 @@ constexpr uint32_t least_width = 64, least_height = 48;
 
 constexpr uint64_t pixel_bytes = 3;
 
-vdna_decoder *opened(uint32_t max_pixels)
-{
-    vdna_decoder *decoder = nullptr;
-    vdna_error error{};
-    if (vdna_decoder_open(max_pixels, &error, &decoder) != VDNA_OK)
-        throw Error(error.text);
-    return decoder;
-}
-
 } // namespace
 
-Glance::Glance(uint32_t max_pixels) : decoder_(opened(max_pixels), vdna_decoder_close) {}
+Glance::Glance(uint32_t max_pixels) : decoder_(open_decoder(max_pixels)) {}
 
 bool Glance::look(const vdna_image &image, vdna_parked_picture &out_picture)
 {

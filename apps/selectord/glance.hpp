@@ -1,10 +1,8 @@
 // A cheap look at a picture: enough to tell whether the camera still sees what it saw.
 #pragma once
 
-#include <memory>
-
+#include <vdna/cpp/decoder.hpp>
 #include <vdna/parked.h>
-#include <vdna/picture.h>
 
 namespace vdna::selectord
 {
@@ -23,7 +21,7 @@ class Glance
     static uint64_t bytes_max(uint32_t max_pixels);
 
   private:
-    std::unique_ptr<vdna_decoder, decltype(&vdna_decoder_close)> decoder_;
+    Decoder decoder_;
 };
 
 } // namespace vdna::selectord

@@ -16,14 +16,6 @@ constexpr int quality = 80;
 
 } // namespace
 
-CameraJpeg::CameraJpeg()
-{
-    vdna_decoder *decoder = nullptr;
-    vdna_error error{};
-    require(vdna_decoder_open(pixels_max, &error, &decoder), error);
-    decoder_.reset(decoder);
-}
-
 std::string CameraJpeg::of(const vdna_image &image)
 {
     const bool encoded =

@@ -1,10 +1,9 @@
 // Camera frames as JPEGs that a browser shows.
 #pragma once
 
-#include <memory>
 #include <string>
 
-#include <vdna/picture.h>
+#include <vdna/cpp/decoder.hpp>
 
 #include "picture/small_jpeg.hpp"
 
@@ -14,8 +13,6 @@ namespace vdna::serve
 class CameraJpeg
 {
   public:
-    CameraJpeg();
-
     // A JPEG of at most as_received_max bytes as it came, undecoded; any other picture decoded,
     // no side longer than side_max, and encoded. Throws Error for one that cannot be decoded.
     std::string of(const vdna_image &image);
@@ -25,11 +22,7 @@ class CameraJpeg
     static constexpr uint32_t pixels_max = 1u << 22;      // of a picture that must be decoded
 
   private:
-    struct CloseDecoder {
-        void operator()(vdna_decoder *decoder) const { vdna_decoder_close(decoder); }
-    };
-
-    std::unique_ptr<vdna_decoder, CloseDecoder> decoder_;
+    Decoder decoder_ = open_decoder(pixels_max);
     picture::Shrinker shrinker_{side_max};
 };
 

@@ -2,16 +2,16 @@
 #include <cerrno>
 #include <cstring>
 #include <iostream>
-#include <memory>
 
 #include <opencv2/imgcodecs.hpp>
 #include <unistd.h>
 
-#include <vdna/picture.h>
+#include <vdna/cpp/decoder.hpp>
 
 #include "frames/iso_time.hpp"
 #include "program/replaced_file.hpp"
 #include "record/experiences.hpp"
+#include "record/thumbnails.hpp"
 #include "vdna/commands.hpp"
 
 namespace vdna::tool
@@ -19,8 +19,6 @@ namespace vdna::tool
 
 namespace
 {
-
-constexpr uint32_t pixels_max = 1u << 20; // of a thumbnail, whose file may be anybody's
 
 struct ShowOptions {
     std::string map, experience, output;
@@ -54,11 +52,8 @@ Picture picture_of(const vdna_experience &e, uint32_t frame)
     if (jpeg.empty())
         throw Error(name + " has no thumbnail; rebuild the experience by `vdna build --force`, "
                            "without --no-thumbnails");
-    vdna_decoder *opened = nullptr;
+    const Decoder decoder = open_decoder(record::Thumbnails::pixels_max);
     vdna_error error{};
-    require(vdna_decoder_open(pixels_max, &error, &opened), error);
-    const std::unique_ptr<vdna_decoder, decltype(&vdna_decoder_close)> decoder(opened,
-                                                                               vdna_decoder_close);
     const vdna_image image{
         reinterpret_cast<const uint8_t *>(jpeg.data()), jpeg.size(), 0, 0, 0, VDNA_PIXEL_ENCODED};
     vdna_pixels pixels;

@@ -64,10 +64,9 @@ vdna_status vdna_select_measure(vdna_select *select, const float *embedding)
 {
     vdna_status status = VDNA_OK;
     const uint32_t count = select->config.trust ? select->config.candidate_count : 0;
-    for (uint32_t i = 0; status == VDNA_OK && i < count; i++) {
+    for (uint32_t i = 0; status == VDNA_OK && i < count; i++)
         status = vdna_trust_nearest_in(embedding, &select->config.runs[i],
                                        &select->of_candidates[i], NULL);
-    }
     return status;
 }
 
