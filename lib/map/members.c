@@ -77,19 +77,20 @@ static vdna_status check_staying(int directory, const char *path, const char *fi
 static vdna_status check_added(int directory, const char *path, const vdna_journal *added,
                                vdna_error *error, vdna_experience *out_first)
 {
-    vdna_status status = VDNA_OK;
     vdna_experience next;
-    for (uint32_t i = 0; i < added->count && status == VDNA_OK; i++) {
+    for (uint32_t i = 0; i < added->count; i++) {
+        vdna_experience *const there = i == 0 ? out_first : &next;
         char file[VDNA_MAP_FILE_SIZE];
         snprintf(file, sizeof file, "%s" VDNA_JOURNAL_STAGED, added->names[i]);
         vdna_error reason;
-        status = read_header_of(directory, path, file, &reason, i == 0 ? out_first : &next);
+        vdna_status status = read_header_of(directory, path, file, &reason, there);
         if (status != VDNA_OK)
             return vdna_fail(error, status, "%s; the map is unchanged", reason.text);
-        if (i > 0)
-            status = check_alike(path, file, &next, out_first, error);
+        status = check_alike(path, file, there, out_first, error);
+        if (status != VDNA_OK)
+            return status;
     }
-    return status;
+    return VDNA_OK;
 }
 
 static vdna_status cannot_list(const char *path, vdna_error *error)
