@@ -97,6 +97,17 @@ static void a_frame_that_is_not_stated_is_not_known(void **state)
     assert_string_equal(header.position_frame, "");
 }
 
+static void a_frame_of_no_positions_does_not_matter(void **state)
+{
+    edited_file *f = *state;
+    vdna_experience header, e = sample_experience();
+    e.frame_position = NULL;
+    write_experience(f, e);
+    edit_header(f, "\"order\":", "\"position_frame\":\"local\",\"order\":");
+    assert_int_equal(read_bytes(f, NULL, &header), VDNA_OK);
+    assert_string_equal(header.position_frame, "");
+}
+
 static void assert_refused(const edited_file *f, vdna_status expected, const char *reason)
 {
     vdna_error error = {""};
@@ -162,6 +173,7 @@ int main(void)
         CASE(a_header_says_what_opening_the_file_says),
         CASE(the_tensors_are_not_read),
         CASE(a_frame_that_is_not_stated_is_not_known),
+        CASE(a_frame_of_no_positions_does_not_matter),
         CASE(a_header_that_breaks_a_rule_is_refused),
         CASE(a_file_cut_at_any_length_is_refused),
         CASE(what_is_missing_is_refused),
