@@ -5,6 +5,7 @@
 #include <vdna/cpp/trust.hpp>
 
 #include "program/print.hpp"
+#include "record/experiences.hpp"
 #include "record/trust_tables.hpp"
 
 namespace vdna::record
@@ -55,6 +56,7 @@ std::string sentence_of(const Trust &trust)
 
 void renew_map_trust(const std::string &map, std::optional<double> tolerance)
 {
+    require_few_for_tables(experience_files(map).size());
     const Map open(map);
     const std::vector<vdna_experience> &experiences = open.experiences();
     const uint32_t localiser = trust_localiser_of(experiences.front());

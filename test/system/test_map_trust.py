@@ -67,6 +67,13 @@ class MapTrust(Scratch):
         self.build("d")  # the same as at once
         self.assertEqual((self.folder / "map" / FILE).read_bytes(), later)
 
+    def test_too_many_experiences_are_refused_before_they_are_opened(self):
+        (self.folder / "map").mkdir()
+        for i in range(4097):
+            (self.folder / f"map/{i}.vdna").touch()
+        self.assertIn("the map has 4097 experiences, expected at most 4096",
+                      self.refused("calibrate", "--trust", "map"))
+
     def test_one_more_keeps_the_tolerance_of_the_file(self):
         for i, name in enumerate("abcd"):
             self.drive(name, seed=i)
