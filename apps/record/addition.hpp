@@ -52,7 +52,8 @@ void find_projection(const std::string &file, const Remaining &remaining, const 
 void require_comparable(const Remaining &remaining, const std::vector<Draft> &drafts,
                         const Maker &maker);
 
-// Positions compare only within a frame, so one map has one. Throws Error.
+// Positions compare only within a frame, so one map has one. A member whose header states none, as
+// before version 2 of the format, is passed over. Throws Error.
 void require_one_frame(const Remaining &remaining, const std::vector<Draft> &drafts);
 
 // Renew the map's own file. The map is complete without it, so what prevents it is only said.

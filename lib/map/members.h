@@ -7,9 +7,8 @@
 
 #include "journal.h"
 
-/* Whether a file of this name is one. Hidden files are not: tools that copy put their own beside,
- * as
- * "._winter.vdna". */
+/* Whether a file of this name is one. Hidden files are not: tools that copy put their own, such as
+ * "._winter.vdna", beside. */
 int vdna_members_have(const char *file);
 
 /* Check that the staged experiences of an update compare with one another and with those that it
