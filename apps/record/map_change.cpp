@@ -19,12 +19,11 @@ MapChange::~MapChange()
     update_.reset();
     if (!made_)
         return;
-    try {
-        const MapUpdate alone(map_.string()); // or another program is filling the directory
-        std::error_code unused;
+    vdna_map_update *alone = nullptr; // or another program is filling the directory
+    std::error_code unused;
+    if (vdna_map_update_open(map_.c_str(), nullptr, &alone) == VDNA_OK)
         fs::remove(map_, unused);
-    } catch (const Error &) {
-    }
+    vdna_map_update_close(alone);
 }
 
 void MapChange::commit()

@@ -39,6 +39,7 @@ static vdna_status read_header_of(int directory, const char *path, const char *f
 {
     char whole[VDNA_REPLACE_PATH_SIZE + VDNA_MAP_FILE_SIZE];
     snprintf(whole, sizeof whole, "%s/%s", path, file);
+    /* NOLINTNEXTLINE(clang-analyzer-unix.StdCLibraryFunctions): dirfd() of a stream cannot fail */
     return vdna_open_header(openat(directory, file, VDNA_OPEN_FLAGS), whole, error, out);
 }
 
@@ -77,7 +78,7 @@ static vdna_status check_staying(int directory, const char *path, const char *fi
 static vdna_status check_added(int directory, const char *path, const vdna_journal *added,
                                vdna_error *error, vdna_experience *out_first)
 {
-    vdna_experience next;
+    vdna_experience next = {.file_bytes = NULL};
     for (uint32_t i = 0; i < added->count; i++) {
         vdna_experience *const there = i == 0 ? out_first : &next;
         char file[VDNA_MAP_FILE_SIZE];
