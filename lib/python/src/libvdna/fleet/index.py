@@ -11,7 +11,7 @@ import pyarrow as pa  # type: ignore[import-untyped,unused-ignore]
 import pyarrow.parquet as pq  # type: ignore[import-untyped,unused-ignore]
 from numpy.typing import NDArray
 
-from ..distance import bound_sums
+from ..distance import bound_from_sums, bound_sums
 from ..histogram import HistogramView
 from . import engine
 from .collection import Collection, DamagedObject, Stored, batches
@@ -26,7 +26,7 @@ ROW_GROUP = 32
 _GROUPS_CACHED = 8
 #: Rows that a task makes.
 _ROWS_OF_TASK = 16
-#: What bounds are lowered by, in bins: more than double rounds in all of their sums.
+#: What bounds by means are lowered by, in bins: more than double rounds in their sums.
 _SLACK = 1e-9
 
 Where = Optional[Sequence[Tuple[str, str, Any]]]
@@ -78,16 +78,9 @@ class Summary(NamedTuple):
     def of(cls, dna: HistogramView) -> Summary:
         return cls(np.array(dna.mass), mean_bins(dna), bound_sums(dna))
 
-
-def bound_by_sums(p: Summary, q: Summary) -> float:
-    """A lower bound of the distance, in bins, from the block sums of the two.
-
-    In each block the absolute sum of the differences of the cumulative shares is at most the sum of
-    the absolute differences, which all blocks together are the distance.
-    """
-    difference = p.sums / p.mass.astype(np.float64)
-    difference -= q.sums / q.mass.astype(np.float64)
-    return max(0.0, float(np.abs(difference, out=difference).sum() / len(p.mass)) - _SLACK)
+    def bound(self, other: Summary, bins: int) -> float:
+        """A lower bound of the distance, in bins, from the block sums of the two."""
+        return bound_from_sums(self.sums, self.mass, other.sums, other.mass, bins)
 
 
 def _row_of(stored: Stored) -> Dict[str, Any]:

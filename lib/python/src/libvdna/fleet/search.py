@@ -17,7 +17,7 @@ from ..experience import Experience
 from ..histogram import HistogramView
 from . import engine
 from .collection import Collection, DamagedObject, batches, writing_local
-from .index import Index, Summary, Where, bound_by_means, bound_by_sums
+from .index import Index, Summary, Where, bound_by_means
 
 _BY_MEANS, _BY_SUMS, _EXACT = range(3)
 
@@ -74,7 +74,7 @@ def nearest(
         if level == _EXACT:
             neighbours.append(Neighbour(index.names[row], bound))
         elif level == _BY_MEANS:
-            by_sums = bound_by_sums(live, index.summary(row))
+            by_sums = live.bound(index.summary(row), index.bins)
             heapq.heappush(heap, (max(bound, by_sums), _BY_SUMS, row))
         else:
             try:
@@ -158,7 +158,7 @@ def _duplicates_of_route(
         duplicate: Optional[Duplicate] = None
         summary = index.summary(row) if near else None
         for other in near:
-            if summary and bound_by_sums(summary, index.summary(other)) > within_bins:
+            if summary and summary.bound(index.summary(other), index.bins) > within_bins:
                 continue
             try:
                 experience = experience or index.load(row).experience
