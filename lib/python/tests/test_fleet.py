@@ -1,11 +1,14 @@
 """Collections of experiences: exact searches, and results that do not depend on what was killed."""
 
+import contextlib
 import hashlib
 import itertools
 import json
 import os
 import pathlib
+import secrets
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -485,24 +488,30 @@ def recordings(tmp_path):
     shutil.rmtree((tmp_path / "temporary").resolve(), ignore_errors=True)
 
 
-def fleet_of(folder, name, victim, workers=1, engine="local"):
-    """Exit status of building and indexing; negative if it was killed."""
+def fleet_of(folder, name, victim, workers=1, engine="local", **more):
+    """Exit status of building and indexing; negative if it was killed. `more` goes into the
+    environment."""
     stub = folder / "vdna"
     stub.write_text(STUB.format(python=sys.executable, killed=str(folder / "killed"), victim=victim))
     stub.chmod(0o755)
-    uri = folder / name
-    uri.mkdir(exist_ok=True)
-    (uri / "ranges.json").write_text(json.dumps({"range": RANGE.tolist()}))
-    sources = [folder / f"drive{i:03}.rec" for i in range(8)]
-    temporary = str((folder / "temporary").resolve())
-    environment = {**os.environ, "TMPDIR": temporary, "HOME": temporary, "PYTHONPATH": os.pathsep.join(sys.path)}
+    (folder / name).mkdir(exist_ok=True)
+    (folder / name / "ranges.json").write_text(json.dumps({"range": RANGE.tolist()}))
+    # Relative paths: of our working directory, which workers need not have.
+    sources = [f"drive{i:03}.rec" for i in range(8)]
+    environment = {**environment_in(folder), **more}
     command = (sys.executable, "-B", folder / "program.py")
     options = ("--engine", engine, "--workers", str(workers))
-    for arguments in (("build", uri, *sources, "--vdna", stub), ("index", uri)):
-        done = subprocess.run([*command, *arguments, *options], env=environment, timeout=200)
+    for arguments in (("build", name, *sources, "--vdna", "./vdna"), ("index", name)):
+        done = subprocess.run([*command, *arguments, *options], env=environment, cwd=folder, timeout=200)
         if done.returncode != 0:
             return done.returncode
     return 0
+
+
+def environment_in(folder):
+    """Of programs that have their temporary files there, and our modules."""
+    temporary = str((folder / "temporary").resolve())
+    return {**os.environ, "TMPDIR": temporary, "HOME": temporary, "PYTHONPATH": os.pathsep.join(sys.path)}
 
 
 def assert_as_expected(folder):
@@ -576,11 +585,90 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 
 
-def test_ray_gives_the_same_and_survives_a_killed_worker(recordings):
+@contextlib.contextmanager
+def ray_of(folder, head):
+    """What to add to the environment of programs that use Ray: nothing without a `head`, since they
+    start their own, or the address of one that is started here, by an operator with telemetry on."""
+    if not head:
+        yield {}
+        return
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    reach = {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": secrets.token_hex(32)}
+    telemetry = {"RAY_USAGE_STATS_ENABLED": "1", "RAY_USAGE_STATS_REPORT_URL": "http://127.0.0.1:9/"}
+    command = (
+        *(sys.executable, "-m", "ray.scripts.scripts", "start", "--head", "--block"),
+        *("--node-ip-address", "127.0.0.1", "--port", str(port), "--num-cpus", "2"),
+        *("--include-dashboard", "false"),
+    )
+    environment = {**environment_in(folder), **reach, **telemetry}
+    with subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as ray:
+        try:
+            until = time.monotonic() + 100
+            while socket.socket().connect_ex(("127.0.0.1", port)) != 0:
+                assert ray.poll() is None and time.monotonic() < until, "Ray does not start"
+                time.sleep(0.2)
+            yield {**reach, "RAY_ADDRESS": f"127.0.0.1:{port}"}
+        finally:
+            ray.terminate()
+
+
+@pytest.mark.parametrize("head", [False, True])
+def test_ray_gives_the_same_and_survives_a_killed_worker(recordings, head):
     pytest.importorskip("ray", reason="no ray")
-    assert fleet_of(recordings, "fleet", "worker", workers=2, engine="ray") == 0
+    with ray_of(recordings, head) as reach:
+        assert fleet_of(recordings, "fleet", "worker", workers=2, engine="ray", **reach) == 0
     assert (recordings / "killed").exists()
     assert_as_expected(recordings)
+
+
+@pytest.mark.parametrize("head", [False, True])
+def test_the_telemetry_of_ray_is_off(recordings, head):
+    """In a worker too, wherever it runs."""
+    pytest.importorskip("ray", reason="no ray")
+    with ray_of(recordings, head) as reach:
+        done = subprocess.run(
+            [sys.executable, "-B", "-c", TELEMETRY],
+            env={**environment_in(recordings), **reach}, capture_output=True, text=True, timeout=200,
+        )  # fmt: skip
+    assert (done.stdout, done.returncode) == ("driver 0, worker 0\n", 0), done.stderr
+
+
+TELEMETRY = """
+import os
+from libvdna import fleet
+with fleet.on_ray(1)() as ray:
+    worker = ray.submit(os.getenv, "RAY_USAGE_STATS_ENABLED").result()
+print(f"driver {os.environ['RAY_USAGE_STATS_ENABLED']}, worker {worker}")
+"""
+
+DEMO = pathlib.Path(__file__).parents[3] / "apps" / "demo" / "fleet.sh"
+
+
+@pytest.mark.skipif(
+    not {"VDNA", "VDNA_ALL"} <= set(os.environ), reason="takes minutes; ./dev test --all runs it"
+)
+@pytest.mark.parametrize("engine", ["local", "ray"])
+def test_the_demo_shows_what_it_says(recordings, engine):
+    if engine == "ray":
+        pytest.importorskip("ray", reason="no ray")
+    (recordings / "build" / "wheel").mkdir(parents=True)
+    (recordings / "build" / "bin").symlink_to(pathlib.Path(os.environ["VDNA"]).parent)
+    (recordings / "build" / "wheel" / "bin").symlink_to(pathlib.Path(sys.executable).parent)
+    with ray_of(recordings, engine == "ray") as reach:
+        done = subprocess.run(
+            [DEMO, engine], cwd=recordings, env={**environment_in(recordings), **reach},
+            capture_output=True, text=True,
+        )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    for expected in (
+        "200 traversals in", "200 experiences added, 0 were there", "200 rows, 200 new, 0 removed",
+        *(f"0.0000 route{i}_dusk_2copy repeats route{i}_dusk_2" for i in range(1, 6)),
+        "route5: expected recall", "route5: recall", "points on average",
+    ):  # fmt: skip
+        assert expected in done.stdout, done.stdout
+    print(done.stdout)
 
 
 def test_the_program_tells_what_is_wrong(tmp_path, capsys):

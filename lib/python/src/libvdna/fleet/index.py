@@ -93,7 +93,7 @@ def _row_of(stored: Stored) -> Dict[str, Any]:
         "first_utime": int(experience.frame_utime.min()),
         "last_utime": int(experience.frame_utime.max()),
         "frames": experience.frames,
-        "size": stored.size,
+        "size": len(stored.vdna),
         "object_size": stored.object_size,
         "sha256": stored.sha256,
         "mass": summary.mass,

@@ -184,8 +184,9 @@ def _duplicates_of_route(
 
 #: Most experiences whose pairs are computed without `where`: half a million pairs.
 PAIRS_MAX = 1000
-#: Experiences on either side of a task of pairs(): together 170 MB with 1280 neurons in 1000 bins.
-_PAIRS_SIDE = 16
+#: Experiences on either side of a task of pairs(): together 340 MB with 1280 neurons in 1000 bins.
+#: Reading them takes longer than their distances; with half as many, all takes nearly twice as long.
+_PAIRS_SIDE = 32
 
 
 class Pairs(NamedTuple):
