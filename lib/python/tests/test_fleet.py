@@ -163,6 +163,31 @@ def test_the_nearest_are_those_of_all_distances(tmp_path, spread):
     assert one.bytes_read < found.bytes_read
 
 
+def test_a_damaged_index_is_refused(tmp_path):
+    collection, comparable = filled(tmp_path, drives(40))
+    (path,) = (tmp_path / "fleet" / "index").iterdir()
+    group = pq.ParquetFile(path).metadata.row_group(0)
+    sums = group.column(group.num_columns - 1)
+    data = bytearray(path.read_bytes())
+    data[sums.data_page_offset + sums.total_compressed_size - 9] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(ValueError, match=f"{comparable}.parquet: damaged: .*CRC.*; remove it"):
+        fleet.nearest(collection, experience("now").histogram, comparable, 40)
+
+
+def test_no_part_of_the_index_is_read_twice(tmp_path, monkeypatch):
+    monkeypatch.setattr(indexing, "ROW_GROUP", 2)
+    monkeypatch.setattr(indexing, "_GROUPS_CACHED", 1)
+    collection, comparable = filled(tmp_path, drives(40, 0.01), ["ring", "yard"])
+    live = experience("now", seed=99).histogram
+    (index,) = (tmp_path / "fleet" / "index").iterdir()
+    objects = sum(collection.names(comparable).values())
+    for where in (None, [("route", "==", "yard"), ("name", "!=", "drive007")]):
+        found = fleet.nearest(collection, live, comparable, 40, where)
+        assert found.exact == found.candidates == len(found.neighbours) == (40 if where is None else 19)
+        assert found.bytes_read <= index.stat().st_size + objects
+
+
 def test_where_chooses_by_columns(tmp_path):
     collection, comparable = filled(tmp_path, drives(9), ["ring", "yard", "hall"])
     live = experience("now").histogram

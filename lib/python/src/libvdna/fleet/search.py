@@ -55,7 +55,7 @@ def nearest(
 
     Best first: what has the least bound is looked at next, more closely each time: by the means, by
     the block sums, by the object itself. What comes up with an exact distance is the next neighbour,
-    as all others are at least as far away.
+    as all others are at least as far away. Block sums are read once: all of a group are then used.
 
     dna: must compare with `comparable`, as Experience.comparable says
     """
@@ -67,6 +67,7 @@ def nearest(
         for row, bound in enumerate(bound_by_means(index.means, live.means, index.bins).tolist())
     ]
     heapq.heapify(heap)
+    by_sums: Dict[int, float] = {}
     neighbours: List[Neighbour] = []
     exact, damaged = 0, []
     while heap and len(neighbours) < k:
@@ -74,8 +75,10 @@ def nearest(
         if level == _EXACT:
             neighbours.append(Neighbour(index.names[row], bound))
         elif level == _BY_MEANS:
-            by_sums = live.bound(index.summary(row), index.bins)
-            heapq.heappush(heap, (max(bound, by_sums), _BY_SUMS, row))
+            if row not in by_sums:
+                for one in index.together(row):
+                    by_sums[one] = live.bound(index.summary(one), index.bins)
+            heapq.heappush(heap, (max(bound, by_sums[row]), _BY_SUMS, row))
         else:
             try:
                 stored = index.load(row)
