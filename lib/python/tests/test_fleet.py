@@ -163,6 +163,23 @@ def test_the_nearest_are_those_of_all_distances(tmp_path, spread):
     assert one.bytes_read < found.bytes_read
 
 
+def test_many_live_runs_are_tasks(tmp_path, capsys):
+    collection, comparable = filled(tmp_path, drives(20))
+    uri = str(tmp_path / "fleet")
+    lives = [str(tmp_path / f"drive{i:03}.vdna") for i in range(3)]
+    assert _vdna_fleet.main(["nearest", uri, *lives, "-k", "1", "--workers", "2"]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        f"   0.0000 drive{i:03} to {path}" for i, path in enumerate(lives)
+    ]
+    assert _vdna_fleet.main(["nearest", uri, lives[0], "no.vdna", "-k", "1", "--workers", "2"]) == 3
+    printed = capsys.readouterr()
+    assert "no.vdna" in printed.err and printed.out == f"   0.0000 drive000 to {lives[0]}\n"
+    results = fleet.nearest_of_each(collection, lives, threads, 2)
+    for path, found, _ in results:
+        live = libvdna.Experience.open(path).histogram
+        assert found == fleet.nearest(collection, live, comparable, 2)
+
+
 def test_a_damaged_index_is_refused(tmp_path):
     collection, comparable = filled(tmp_path, drives(40))
     (path,) = (tmp_path / "fleet" / "index").iterdir()
@@ -576,7 +593,8 @@ def processes_with(temporary):
     return found
 
 
-def test_the_memory_of_a_worker_does_not_grow_with_the_collection(tmp_path):
+@pytest.mark.parametrize("task", ["rows", "pairs", "part"])
+def test_the_memory_of_a_worker_does_not_grow_with_its_tasks(tmp_path, task):
     """An experience of 1000 x 1000 counts is 4 MB; that of one task is the limit, not of all."""
     edges = np.array([[-4, 4]] * 1000, np.float32)
     counts = np.zeros((1000, 1000), np.uint32)
@@ -584,29 +602,37 @@ def test_the_memory_of_a_worker_does_not_grow_with_the_collection(tmp_path):
     dna = libvdna.HistogramView(edges, counts)
     one = experience("x", taps="top:1000:1", histogram=dna)
     collection = fleet.Collection(str(tmp_path / "fleet"))
-    vdna = one.to_bytes()
+    size = len(one.to_bytes()) // 1024
     for i in range(48):
         named = experience(f"x{i:02}", taps="top:1000:1", histogram=dna, seed=i)
         collection.add(named.to_bytes(), fleet.Labels())
-    command = [sys.executable, "-c", PEAK, str(tmp_path / "fleet"), collection.only_comparable()]
+    command = [sys.executable, "-B", "-c", PEAK, str(tmp_path / "fleet"), collection.only_comparable(), task]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    few, all_of_them = (
+    begun, one_task, three = (
         int(subprocess.run([*command, str(n)], env=environment, capture_output=True, check=True).stdout)
-        for n in (16, 48)
+        for n in (0, 1, 3)
     )
-    print(f"peak of a worker: {few} kB for 16 rows, {all_of_them} kB for 48")
-    assert all_of_them - few < 16 * len(vdna) // 1024
+    print(f"peak of a worker: {begun} kB, {one_task} kB after one task, {three} kB after three")
+    assert three - one_task < 8 * size
+    held = {"rows": 1, "pairs": 16, "part": 5}[task]  # experiences at a time
+    assert one_task - begun < (held + 20) * size
 
 
-#: Makes rows of the first N objects as a worker does, 16 a task, and prints its peak in kB.
+#: Runs N tasks on 16 objects each as a worker does, and prints its peak in kB.
 PEAK = """
-import resource, sys
-from libvdna.fleet import Collection, index
-uri, comparable, count = sys.argv[1], sys.argv[2], int(sys.argv[3])
-names = list(Collection(uri).names(comparable))[:count]
-for begin in range(0, count, 16):
-    assert index._rows(uri, comparable, names[begin : begin + 16], f"parts/{count}-{begin}") == []
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+import re, sys
+from libvdna.fleet import Collection, index, search, subset
+uri, comparable, task, count = *sys.argv[1:4], int(sys.argv[4])
+names = list(Collection(uri).names(comparable))
+for n in range(count):
+    some, key = names[16 * n : 16 * n + 16], f"parts/{n}"
+    if task == "rows":
+        assert index._rows(uri, comparable, some, key) == []
+    elif task == "pairs":
+        search._pairs_of_blocks(uri, comparable, some, some, key)
+    else:
+        subset._part(uri, comparable, some, 0, "distance", 5, key, "")
+print(re.search(r"VmHWM:\\s+(\\d+)", open("/proc/self/status").read())[1])
 """
 
 

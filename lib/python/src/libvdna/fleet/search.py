@@ -6,7 +6,8 @@ import hashlib
 import heapq
 import io
 import json
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+import os
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 import pyarrow as pa  # type: ignore[import-untyped,unused-ignore]
@@ -89,6 +90,37 @@ def nearest(
             heapq.heappush(heap, (emd_mean(dna, stored.experience.histogram), _EXACT, row))
     read = collection.bytes_read - read_before
     return Found(neighbours, len(index.names), exact, read, damaged)
+
+
+class FoundFor(NamedTuple):
+    """The nearest of one live run among many."""
+
+    path: str
+    found: Optional[Found]
+    """None if it failed."""
+    failure: str
+    """"" if it did not."""
+
+
+def nearest_of_each(
+    collection: Collection,
+    paths: Sequence[str],
+    run_on: engine.Engine,
+    k: int = 5,
+    where: Where = None,
+) -> List[FoundFor]:
+    """nearest() for many experience files, each a task."""
+    tasks = [(collection.uri, os.path.abspath(path), k, where) for path in paths]
+    return [
+        FoundFor(path, done.result, done.failure)
+        for path, done in zip(paths, engine.run(run_on, _nearest_of_file, tasks))
+    ]
+
+
+def _nearest_of_file(uri: str, path: str, k: int, where: Where) -> Found:
+    """Task."""
+    live = Experience.open(path)
+    return nearest(Collection(uri), live.histogram, str(live.comparable), k, where)
 
 
 class Duplicate(NamedTuple):
