@@ -69,6 +69,8 @@ def all_of(settings, folder):
     for size in sizes:
         earlier = yield from searches(settings, folder, size, False, earlier)
     yield from searches(settings, folder, sizes[0] if settings["tiny"] else 500, True)
+    yield repeated(folder, sizes[1])
+    yield counted_again(folder, 5 if settings["tiny"] else 50)
     yield from engines(settings, folder, sizes[0])
 
 
@@ -121,14 +123,14 @@ def ranges_of(runs):
     return ranges.expand(1.2)
 
 
-def experience_of(name, frames, ranges):
+def experience_of(name, frames, ranges, embedding=EMBEDDING):
     from libvdna import Experience, Histogram
     histogram = Histogram(ranges, BINS)
     for frame in frames:
         histogram.add(frame)
     return Experience(
         name=name, backbone="bench", model_sha256="0" * 64, preprocessing="none",
-        taps=f"bench:{frames.shape[1]}:1", histogram=histogram, embeddings=frames[:, :EMBEDDING],
+        taps=f"bench:{frames.shape[1]}:1", histogram=histogram, embeddings=frames[:, :embedding],
         frame_utime=np.arange(len(frames), dtype=np.int64), frame_grey=np.zeros(len(frames), np.float32))
 
 
@@ -159,6 +161,11 @@ def processor_seconds():
     """Of this process and its children that have ended."""
     own, children = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return own.ru_utime + own.ru_stime + children.ru_utime + children.ru_stime
+
+
+def here():
+    """An engine without processes."""
+    return ThreadPoolExecutor(1)
 
 
 def timed(seconds):
@@ -229,12 +236,42 @@ def all_distances(collection, comparable, lives):
     return seconds, [sorted(table)[:NEAREST] for table in tables], collection.bytes_read - before
 
 
+def repeated(folder, count):
+    """Find the duplicates of a collection, which has none."""
+    from libvdna import fleet
+    collection = fleet.Collection(str(folder / f"mixed-{count}"))
+    begin = time.process_time()
+    found = fleet.duplicates(collection, collection.only_comparable(), 0, here)
+    seconds = time.process_time() - begin
+    assert not found.duplicates
+    return f"duplicates of {count} on {ROUTES} routes", "s", 1, timed([seconds]), {
+        "pairs": found.pairs, "exact_distances": found.exact}
+
+
+def counted_again(folder, count):
+    """Count experiences again in other bins, from all of their embeddings."""
+    from libvdna import fleet
+    runs, uri = np.load(folder / "runs.npy"), folder / "rebin"
+    shutil.rmtree(uri, ignore_errors=True)
+    collection, ranges = fleet.Collection(str(uri)), ranges_of(runs)
+    for number in range(count):
+        frames = runs[0, 0][np.random.default_rng(number).integers(FRAMES, size=DRAWN)]
+        one = experience_of(f"run{number}", frames, ranges, runs.shape[-1])
+        collection.add(one.to_bytes(), fleet.Labels())
+    comparable = collection.only_comparable()
+    collection.put("ranges.json", json.dumps({"range": (2 * ranges).tolist()}).encode())
+    begin = time.process_time()
+    assert fleet.rebin(collection, comparable, here) == (count, 0, [])
+    seconds = (time.process_time() - begin) / count
+    return f"rebin an experience of {DRAWN} frames", "ms", 1e3, timed([seconds]), {}
+
+
 def engines(settings, folder, count):
     """All pairs on two workers beside one process and Ray; and what a single task takes."""
     from libvdna import fleet
     collection = fleet.Collection(str(folder / f"mixed-{count}"))
     comparable, out = collection.only_comparable(), str(folder / "pairs.parquet")
-    two, one, ray = fleet.local(2), lambda: ThreadPoolExecutor(1), fleet.on_ray(2)
+    two, one, ray = fleet.local(2), here, fleet.on_ray(2)
 
     def pairs(engine):
         done = fleet.pairs(collection, comparable, out, engine)
