@@ -19,18 +19,24 @@ size_t vdna_emd_scratch_size(uint32_t neurons)
 }
 
 /* see span.h */
-vdna_status vdna_check_scratch(const vdna_hist_view *p, const vdna_hist_view *q,
-                               const void *scratch, size_t scratch_size)
+vdna_status vdna_check_scratch(uint32_t neurons, const void *scratch, size_t scratch_size)
 {
     if (!scratch || (uintptr_t)scratch % sizeof(int64_t) != 0)
         return VDNA_ERR_ARG;
-    const vdna_status status = vdna_hist_view_check_pair(p, q);
-    if (status != VDNA_OK)
-        return status;
-    const size_t needed = vdna_emd_scratch_size(p->neurons);
+    const size_t needed = vdna_emd_scratch_size(neurons);
     if (needed == 0 || scratch_size < needed)
         return VDNA_ERR_NOMEM;
     return VDNA_OK;
+}
+
+/* see span.h */
+vdna_status vdna_check_pair(const vdna_hist_view *p, const vdna_hist_view *q, const void *scratch,
+                            size_t scratch_size)
+{
+    const vdna_status status = vdna_hist_view_check_pair(p, q);
+    if (status != VDNA_OK)
+        return status;
+    return vdna_check_scratch(p->neurons, scratch, scratch_size);
 }
 
 /* For the proofs of add_row() and add_narrow_row() in test/hostile/proof. `moved` is the amount
@@ -168,13 +174,13 @@ static vdna_status sum_span(const vdna_hist_view *p, const vdna_hist_view *q, co
 static vdna_status distances(const vdna_hist_view *p, const vdna_hist_view *q, void *scratch,
                              size_t scratch_size, double *out_emd_bins, double *out_total)
 {
-    vdna_status status = vdna_check_scratch(p, q, scratch, scratch_size);
+    vdna_status status = vdna_check_pair(p, q, scratch, scratch_size);
     if (status != VDNA_OK)
         return status;
     const work w = {scratch, (int64_t *)scratch + p->neurons};
     double total = 0;
     for (size_t first = 0; first < p->neurons;) {
-        const vdna_span s = vdna_span_from(p, q, first);
+        const vdna_span s = vdna_span_from(p->mass, q->mass, p->neurons, first);
         status = sum_span(p, q, &s, &w);
         if (status != VDNA_OK)
             return status;

@@ -86,7 +86,7 @@ static int prepare(encounter *e)
         return 0;
     for (size_t i = 0; i < e->count_p; i++)
         for (size_t j = 0; j < e->count_q; j++) {
-            const vdna_span s = vdna_span_from(&e->p[i], &e->q[j], 0);
+            const vdna_span s = vdna_span_from(e->p[i].mass, e->q[j].mass, e->p->neurons, 0);
             if (s.count < e->p->neurons || s.mass > INT32_MAX / (e->p->bins - 1))
                 return 0;
             e->pair[i][j] = s;

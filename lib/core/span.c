@@ -11,15 +11,16 @@ static uint32_t greatest_common_divisor(uint32_t a, uint32_t b)
 }
 
 /* see span.h */
-vdna_span vdna_span_from(const vdna_hist_view *p, const vdna_hist_view *q, size_t first)
+vdna_span vdna_span_from(const uint32_t *mass_p, const uint32_t *mass_q, size_t neurons,
+                         size_t first)
 {
-    const uint32_t mass_p = p->mass[first], mass_q = q->mass[first];
+    const uint32_t here_p = mass_p[first], here_q = mass_q[first];
     size_t end = first + 1;
-    while (end < p->neurons && p->mass[end] == mass_p && q->mass[end] == mass_q)
+    while (end < neurons && mass_p[end] == here_p && mass_q[end] == here_q)
         end++;
-    const uint32_t divisor = greatest_common_divisor(mass_p, mass_q);
-    const vdna_span s = {first, end - first, mass_q / divisor, mass_p / divisor,
-                         (uint64_t)mass_p * (mass_q / divisor)};
+    const uint32_t divisor = greatest_common_divisor(here_p, here_q);
+    const vdna_span s = {first, end - first, here_q / divisor, here_p / divisor,
+                         (uint64_t)here_p * (here_q / divisor)};
     return s;
 }
 

@@ -13,16 +13,22 @@ typedef struct vdna_span {
     uint64_t mass;             /* the common multiple */
 } vdna_span;
 
-/* The span that begins with neuron `first`. */
-vdna_span vdna_span_from(const vdna_hist_view *p, const vdna_hist_view *q, size_t first);
+/* The span that begins with neuron `first`.
+ * @param mass_p, mass_q  [neurons], none 0 */
+vdna_span vdna_span_from(const uint32_t *mass_p, const uint32_t *mass_q, size_t neurons,
+                         size_t first);
 
 /* sum / mass, rounded once, to nearest; mass is 1..2^63 - 1. Of two sums the larger has no smaller
  * quotient. */
 double vdna_quotient(uint64_t sum, uint64_t mass);
 
-/* Check that two views compare, and that the scratch is aligned and has vdna_emd_scratch_size().
+/* Check that the scratch is aligned for int64_t and has vdna_emd_scratch_size().
+ * @return VDNA_OK, VDNA_ERR_ARG or VDNA_ERR_NOMEM */
+vdna_status vdna_check_scratch(uint32_t neurons, const void *scratch, size_t scratch_size);
+
+/* Check that two views compare, and the scratch.
  * @return as vdna_emd(), but for VDNA_ERR_OVERFLOW */
-vdna_status vdna_check_scratch(const vdna_hist_view *p, const vdna_hist_view *q,
-                               const void *scratch, size_t scratch_size);
+vdna_status vdna_check_pair(const vdna_hist_view *p, const vdna_hist_view *q, const void *scratch,
+                            size_t scratch_size);
 
 #endif

@@ -128,7 +128,7 @@ def import_package(build):
     shutil.rmtree(folder, ignore_errors=True)
     package = folder / "libvdna"
     package.mkdir(parents=True)
-    for source in (ROOT / "lib" / "python" / "src" / "libvdna").glob("*.py"):
+    for source in (ROOT / "lib" / "python" / "src" / "libvdna").iterdir():
         (package / source.name).symlink_to(source)
     (package / "libvdna.so").symlink_to(build / "lib" / "libvdna.so")
     sys.path.insert(0, str(folder))

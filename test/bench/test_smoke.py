@@ -129,6 +129,19 @@ class Bench(unittest.TestCase):
         [emd] = stored["groups"]["arm"]["results"]
         self.assertTrue(0.1 < emd["more"]["of_x86_64"] < 10)
 
+    def test_a_fleet_is_searched_with_and_without_bounds_and_on_every_engine(self):
+        group = self.measured("fleet")["groups"]["fleet"]
+        self.check_group(group)
+        results = {result["name"]: result for result in group["results"]}
+        many = results["nearest 5 of 20 mixed runs, 16 neurons"]
+        self.assertIn("all distances", many["peers"])
+        self.assertTrue(5 <= many["more"]["exact_distances"] <= 20)
+        for what in ("time", "distances", "bytes"):
+            self.assertIn(f"exponent_of_{what}", many["more"])
+        self.assertIn("nearest 5 of 10 bootstraps of one run, 16 neurons", results)
+        self.assertEqual(set(results["pairs of 10 on two workers"]["peers"]),
+                         {"one process", "Ray, two workers"})
+
     def test_the_map_has_all_of_its_experiences_and_the_selector_one_table(self):
         results = {result["name"].removeprefix("memory of "): result["more"]
                    for result in self.measured("sizes")["groups"]["sizes"]["results"]}

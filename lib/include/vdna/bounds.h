@@ -51,6 +51,20 @@ VDNA_API vdna_status vdna_bounds_mean(const vdna_hist_view *p, const uint32_t *s
                                       const vdna_hist_view *q, const uint32_t *sums_q,
                                       void *scratch, size_t scratch_size, double *out_bound_bins);
 
+/** Bound the distance of two Visual DNAs of which only the sums are at hand, such as the rows of an
+ *  index. The same bits as vdna_bounds_mean(), which checks the histograms and calls this.
+ *  @param sums_p, sums_q  of vdna_bounds_sum(), of histograms that compare
+ *  @param mass_p, mass_q  [neurons], of the histograms
+ *  @param neurons, bins   of each histogram
+ *  @param scratch, scratch_size  as for vdna_emd()
+ *  @param out_bound_bins  0..bins-1, at most what vdna_emd_mean() says of the histograms
+ *  @return VDNA_OK; VDNA_ERR_ARG for a NULL, a misaligned scratch, or neurons or bins out of range;
+ *          VDNA_ERR_NOMEM, VDNA_ERR_EMPTY and VDNA_ERR_OVERFLOW as vdna_emd() */
+VDNA_API vdna_status vdna_bounds_from_sums(const uint32_t *sums_p, const uint32_t *mass_p,
+                                           const uint32_t *sums_q, const uint32_t *mass_q,
+                                           uint32_t neurons, uint32_t bins, void *scratch,
+                                           size_t scratch_size, double *out_bound_bins);
+
 #ifdef __cplusplus
 }
 #endif

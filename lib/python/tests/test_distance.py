@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import histogram_of
 
-from libvdna import Histogram, HistogramView, Status, VdnaError, bound_sums, emd, emd_bound
+from libvdna import Histogram, HistogramView, Status, VdnaError, bound_from_sums, bound_sums, emd, emd_bound
 from libvdna import emd_block, emd_mean, nearest, rank, rank_top
 
 
@@ -75,6 +75,8 @@ def test_bounds_never_pass_the_distance_and_find_the_top_of_a_ranking(random, un
     for distance, candidate, _ in top:
         bound = emd_bound(live, bound_sums(live), candidates[candidate], sums[candidate])
         exact = emd_mean(live, candidates[candidate])
+        rows = bound_sums(live), live.mass, sums[candidate], candidates[candidate].mass
+        assert bound == bound_from_sums(*rows, 60)
         assert 0 < bound <= exact
         assert distance == (bound if is_bound[candidate] else exact)
     assert rank_top(live, candidates, sums, 5) == (whole, [False] * 5)
@@ -87,6 +89,11 @@ def test_sums_of_another_shape_are_refused(unit_range):
     for sums in ([], [bound_sums(one)[:, :2]], [bound_sums(other)]):
         with pytest.raises(ValueError, match="sums"):
             rank_top(one, [one], sums, 1)
+    rows = bound_sums(one), one.mass
+    for other_rows in ((bound_sums(other), other.mass), (bound_sums(one), one.mass[:2])):
+        with pytest.raises(ValueError, match="are not those of two histograms with 10 bins"):
+            bound_from_sums(*rows, *other_rows, 10)
+    refused(Status.EMPTY, bound_from_sums, *rows, rows[0], rows[1] * 0, 10)
     with pytest.raises(ValueError, match="exact is 0"):
         rank_top(one, [one], [bound_sums(one)], 0)
     refused(Status.MISMATCH, rank_top, one, [other], [bound_sums(other)], 1)

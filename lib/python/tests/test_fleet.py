@@ -1,11 +1,14 @@
 """Collections of experiences: exact searches, and results that do not depend on what was killed."""
 
+import contextlib
 import hashlib
 import itertools
 import json
 import os
 import pathlib
+import secrets
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -126,7 +129,7 @@ def test_bounds_are_at_most_the_distance(bins):
         p, q = (libvdna.HistogramView([[0, 1]] * 3, c.astype(np.uint32)) for c in counts)
         exact = libvdna.emd_mean(p, q)
         by_means = indexing.bound_by_means(indexing.mean_bins(p), indexing.mean_bins(q), bins)
-        by_sums = indexing.bound_by_sums(indexing.Summary.of(p), indexing.Summary.of(q))
+        by_sums = indexing.Summary.of(p).bound(indexing.Summary.of(q), bins)
         assert by_means <= exact and by_sums <= exact
         assert by_means <= by_sums + 1e-3
 
@@ -158,6 +161,48 @@ def test_the_nearest_are_those_of_all_distances(tmp_path, spread):
             assert found.exact < len(stored) / 3
     one = fleet.nearest(collection, live.histogram, comparable, 1)
     assert one.bytes_read < found.bytes_read
+
+
+def test_many_live_runs_are_tasks(tmp_path, capsys):
+    collection, comparable = filled(tmp_path, drives(20))
+    uri = str(tmp_path / "fleet")
+    lives = [str(tmp_path / f"drive{i:03}.vdna") for i in range(3)]
+    assert _vdna_fleet.main(["nearest", uri, *lives, "-k", "1", "--workers", "2"]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        f"   0.0000 drive{i:03} to {path}" for i, path in enumerate(lives)
+    ]
+    assert _vdna_fleet.main(["nearest", uri, lives[0], "no.vdna", "-k", "1", "--workers", "2"]) == 3
+    printed = capsys.readouterr()
+    assert "no.vdna" in printed.err and printed.out == f"   0.0000 drive000 to {lives[0]}\n"
+    results = fleet.nearest_of_each(collection, lives, threads, 2)
+    for path, found, _ in results:
+        live = libvdna.Experience.open(path).histogram
+        assert found == fleet.nearest(collection, live, comparable, 2)
+
+
+def test_a_damaged_index_is_refused(tmp_path):
+    collection, comparable = filled(tmp_path, drives(40))
+    (path,) = (tmp_path / "fleet" / "index").iterdir()
+    group = pq.ParquetFile(path).metadata.row_group(0)
+    sums = group.column(group.num_columns - 1)
+    data = bytearray(path.read_bytes())
+    data[sums.data_page_offset + sums.total_compressed_size - 9] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(ValueError, match=f"{comparable}.parquet: damaged: .*CRC.*; remove it"):
+        fleet.nearest(collection, experience("now").histogram, comparable, 40)
+
+
+def test_no_part_of_the_index_is_read_twice(tmp_path, monkeypatch):
+    monkeypatch.setattr(indexing, "ROW_GROUP", 2)
+    monkeypatch.setattr(indexing, "_GROUPS_CACHED", 1)
+    collection, comparable = filled(tmp_path, drives(40, 0.01), ["ring", "yard"])
+    live = experience("now", seed=99).histogram
+    (index,) = (tmp_path / "fleet" / "index").iterdir()
+    objects = sum(collection.names(comparable).values())
+    for where in (None, [("route", "==", "yard"), ("name", "!=", "drive007")]):
+        found = fleet.nearest(collection, live, comparable, 40, where)
+        assert found.exact == found.candidates == len(found.neighbours) == (40 if where is None else 19)
+        assert found.bytes_read <= index.stat().st_size + objects
 
 
 def test_where_chooses_by_columns(tmp_path):
@@ -485,24 +530,30 @@ def recordings(tmp_path):
     shutil.rmtree((tmp_path / "temporary").resolve(), ignore_errors=True)
 
 
-def fleet_of(folder, name, victim, workers=1, engine="local"):
-    """Exit status of building and indexing; negative if it was killed."""
+def fleet_of(folder, name, victim, workers=1, engine="local", **more):
+    """Exit status of building and indexing; negative if it was killed. `more` goes into the
+    environment."""
     stub = folder / "vdna"
     stub.write_text(STUB.format(python=sys.executable, killed=str(folder / "killed"), victim=victim))
     stub.chmod(0o755)
-    uri = folder / name
-    uri.mkdir(exist_ok=True)
-    (uri / "ranges.json").write_text(json.dumps({"range": RANGE.tolist()}))
-    sources = [folder / f"drive{i:03}.rec" for i in range(8)]
-    temporary = str((folder / "temporary").resolve())
-    environment = {**os.environ, "TMPDIR": temporary, "HOME": temporary, "PYTHONPATH": os.pathsep.join(sys.path)}
+    (folder / name).mkdir(exist_ok=True)
+    (folder / name / "ranges.json").write_text(json.dumps({"range": RANGE.tolist()}))
+    # Relative paths: of our working directory, which workers need not have.
+    sources = [f"drive{i:03}.rec" for i in range(8)]
+    environment = {**environment_in(folder), **more}
     command = (sys.executable, "-B", folder / "program.py")
     options = ("--engine", engine, "--workers", str(workers))
-    for arguments in (("build", uri, *sources, "--vdna", stub), ("index", uri)):
-        done = subprocess.run([*command, *arguments, *options], env=environment, timeout=200)
+    for arguments in (("build", name, *sources, "--vdna", "./vdna"), ("index", name)):
+        done = subprocess.run([*command, *arguments, *options], env=environment, cwd=folder, timeout=200)
         if done.returncode != 0:
             return done.returncode
     return 0
+
+
+def environment_in(folder):
+    """Of programs that have their temporary files there, and our modules."""
+    temporary = str((folder / "temporary").resolve())
+    return {**os.environ, "TMPDIR": temporary, "HOME": temporary, "PYTHONPATH": os.pathsep.join(sys.path)}
 
 
 def assert_as_expected(folder):
@@ -542,7 +593,8 @@ def processes_with(temporary):
     return found
 
 
-def test_the_memory_of_a_worker_does_not_grow_with_the_collection(tmp_path):
+@pytest.mark.parametrize("task", ["rows", "pairs", "part"])
+def test_the_memory_of_a_worker_does_not_grow_with_its_tasks(tmp_path, task):
     """An experience of 1000 x 1000 counts is 4 MB; that of one task is the limit, not of all."""
     edges = np.array([[-4, 4]] * 1000, np.float32)
     counts = np.zeros((1000, 1000), np.uint32)
@@ -550,37 +602,124 @@ def test_the_memory_of_a_worker_does_not_grow_with_the_collection(tmp_path):
     dna = libvdna.HistogramView(edges, counts)
     one = experience("x", taps="top:1000:1", histogram=dna)
     collection = fleet.Collection(str(tmp_path / "fleet"))
-    vdna = one.to_bytes()
+    size = len(one.to_bytes()) // 1024
     for i in range(48):
         named = experience(f"x{i:02}", taps="top:1000:1", histogram=dna, seed=i)
         collection.add(named.to_bytes(), fleet.Labels())
-    command = [sys.executable, "-c", PEAK, str(tmp_path / "fleet"), collection.only_comparable()]
+    command = [sys.executable, "-B", "-c", PEAK, str(tmp_path / "fleet"), collection.only_comparable(), task]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    few, all_of_them = (
+    begun, one_task, three = (
         int(subprocess.run([*command, str(n)], env=environment, capture_output=True, check=True).stdout)
-        for n in (16, 48)
+        for n in (0, 1, 3)
     )
-    print(f"peak of a worker: {few} kB for 16 rows, {all_of_them} kB for 48")
-    assert all_of_them - few < 16 * len(vdna) // 1024
+    print(f"peak of a worker: {begun} kB, {one_task} kB after one task, {three} kB after three")
+    assert three - one_task < 8 * size
+    held = {"rows": 1, "pairs": 16, "part": 5}[task]  # experiences at a time
+    assert one_task - begun < (held + 20) * size
 
 
-#: Makes rows of the first N objects as a worker does, 16 a task, and prints its peak in kB.
+#: Runs N tasks on 16 objects each as a worker does, and prints its peak in kB.
 PEAK = """
-import resource, sys
-from libvdna.fleet import Collection, index
-uri, comparable, count = sys.argv[1], sys.argv[2], int(sys.argv[3])
-names = list(Collection(uri).names(comparable))[:count]
-for begin in range(0, count, 16):
-    assert index._rows(uri, comparable, names[begin : begin + 16], f"parts/{count}-{begin}") == []
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+import re, sys
+from libvdna.fleet import Collection, index, search, subset
+uri, comparable, task, count = *sys.argv[1:4], int(sys.argv[4])
+names = list(Collection(uri).names(comparable))
+for n in range(count):
+    some, key = names[16 * n : 16 * n + 16], f"parts/{n}"
+    if task == "rows":
+        assert index._rows(uri, comparable, some, key) == []
+    elif task == "pairs":
+        search._pairs_of_blocks(uri, comparable, some, some, key)
+    else:
+        subset._part(uri, comparable, some, 0, "distance", 5, key, "")
+print(re.search(r"VmHWM:\\s+(\\d+)", open("/proc/self/status").read())[1])
 """
 
 
-def test_ray_gives_the_same_and_survives_a_killed_worker(recordings):
+@contextlib.contextmanager
+def ray_of(folder, head):
+    """What to add to the environment of programs that use Ray: nothing without a `head`, since they
+    start their own, or the address of one that is started here, by an operator with telemetry on."""
+    if not head:
+        yield {}
+        return
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    reach = {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": secrets.token_hex(32)}
+    telemetry = {"RAY_USAGE_STATS_ENABLED": "1", "RAY_USAGE_STATS_REPORT_URL": "http://127.0.0.1:9/"}
+    command = (
+        *(sys.executable, "-m", "ray.scripts.scripts", "start", "--head", "--block"),
+        *("--node-ip-address", "127.0.0.1", "--port", str(port), "--num-cpus", "2"),
+        *("--include-dashboard", "false"),
+    )
+    environment = {**environment_in(folder), **reach, **telemetry}
+    with subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as ray:
+        try:
+            until = time.monotonic() + 100
+            while socket.socket().connect_ex(("127.0.0.1", port)) != 0:
+                assert ray.poll() is None and time.monotonic() < until, "Ray does not start"
+                time.sleep(0.2)
+            yield {**reach, "RAY_ADDRESS": f"127.0.0.1:{port}"}
+        finally:
+            ray.terminate()
+
+
+@pytest.mark.parametrize("head", [False, True])
+def test_ray_gives_the_same_and_survives_a_killed_worker(recordings, head):
     pytest.importorskip("ray", reason="no ray")
-    assert fleet_of(recordings, "fleet", "worker", workers=2, engine="ray") == 0
+    with ray_of(recordings, head) as reach:
+        assert fleet_of(recordings, "fleet", "worker", workers=2, engine="ray", **reach) == 0
     assert (recordings / "killed").exists()
     assert_as_expected(recordings)
+
+
+@pytest.mark.parametrize("head", [False, True])
+def test_the_telemetry_of_ray_is_off(recordings, head):
+    """In a worker too, wherever it runs."""
+    pytest.importorskip("ray", reason="no ray")
+    with ray_of(recordings, head) as reach:
+        done = subprocess.run(
+            [sys.executable, "-B", "-c", TELEMETRY],
+            env={**environment_in(recordings), **reach}, capture_output=True, text=True, timeout=200,
+        )  # fmt: skip
+    assert (done.stdout, done.returncode) == ("driver 0, worker 0\n", 0), done.stderr
+
+
+TELEMETRY = """
+import os
+from libvdna import fleet
+with fleet.on_ray(1)() as ray:
+    worker = ray.submit(os.getenv, "RAY_USAGE_STATS_ENABLED").result()
+print(f"driver {os.environ['RAY_USAGE_STATS_ENABLED']}, worker {worker}")
+"""
+
+DEMO = pathlib.Path(__file__).parents[3] / "apps" / "demo" / "fleet.sh"
+
+
+@pytest.mark.skipif(
+    not {"VDNA", "VDNA_ALL"} <= set(os.environ), reason="takes minutes; ./dev test --all runs it"
+)
+@pytest.mark.parametrize("engine", ["local", "ray"])
+def test_the_demo_shows_what_it_says(recordings, engine):
+    if engine == "ray":
+        pytest.importorskip("ray", reason="no ray")
+    (recordings / "build" / "wheel").mkdir(parents=True)
+    (recordings / "build" / "bin").symlink_to(pathlib.Path(os.environ["VDNA"]).parent)
+    (recordings / "build" / "wheel" / "bin").symlink_to(pathlib.Path(sys.executable).parent)
+    with ray_of(recordings, engine == "ray") as reach:
+        done = subprocess.run(
+            [DEMO, engine], cwd=recordings, env={**environment_in(recordings), **reach},
+            capture_output=True, text=True,
+        )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    for expected in (
+        "200 traversals in", "200 experiences added, 0 were there", "200 rows, 200 new, 0 removed",
+        *(f"0.0000 route{i}_dusk_2copy repeats route{i}_dusk_2" for i in range(1, 6)),
+        "route5: expected recall", "route5: recall", "points on average",
+    ):  # fmt: skip
+        assert expected in done.stdout, done.stdout
+    print(done.stdout)
 
 
 def test_the_program_tells_what_is_wrong(tmp_path, capsys):

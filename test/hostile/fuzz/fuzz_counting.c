@@ -301,9 +301,13 @@ static void check_top(const vdna_hist_view *live, const vdna_hist_view *views, u
         MUST(memcmp(&top[i], &ranking[i], sizeof *top) == 0 && !is_bound[top[i].candidate]);
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t candidate = ranking[i].candidate;
-        double bound = -1;
+        double bound = -1, of_sums = -1;
         MUST(vdna_bounds_mean(live, live_sums, &views[candidate], sums + candidate * numbers,
                               scratch, size, &bound) == VDNA_OK);
+        MUST(vdna_bounds_from_sums(live_sums, live->mass, sums + candidate * numbers,
+                                   views[candidate].mass, live->neurons, live->bins, scratch, size,
+                                   &of_sums) == VDNA_OK);
+        MUST(of_sums == bound);
         MUST(bound >= 0 && bound <= ranking[i].distance_bins);
     }
     free(scratch), free(sums), free(live_sums);

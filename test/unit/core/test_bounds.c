@@ -100,6 +100,45 @@ static void neurons_of_different_masses_are_each_bounded_by_their_own(void **sta
     assert_true(bins == 1);
 }
 
+static void sums_are_enough_for_the_bound(void **state)
+{
+    (void)state;
+    /* Neuron 0 has 24 and 5 of 4 samples, neuron 1 has 3 of 1 sample and 21 of 2. */
+    const uint32_t p[] = {24, 3}, mass_p[] = {4, 1}, q[] = {5, 21}, mass_q[] = {4, 2};
+    int64_t scratch[4];
+    double bins = -1;
+    assert_int_equal(
+        vdna_bounds_from_sums(p, mass_p, q, mass_q, 2, 26, scratch, sizeof scratch, &bins),
+        VDNA_OK);
+    assert_true(bins == ((24 - 5) / 4.0 + (21 - 2 * 3) / 2.0) / 2);
+}
+
+static void bad_arguments_for_rows_of_sums_are_refused(void **state)
+{
+    (void)state;
+    const uint32_t sums[] = {1, 2}, mass[] = {3, 1}, empty[] = {3, 0};
+    int64_t scratch[4];
+    const size_t size = sizeof scratch;
+    double bins = -1;
+    vdna_status (*const f)(const uint32_t *, const uint32_t *, const uint32_t *, const uint32_t *,
+                           uint32_t, uint32_t, void *, size_t, double *) = vdna_bounds_from_sums;
+    assert_int_equal(f(NULL, mass, sums, mass, 2, 9, scratch, size, &bins), VDNA_ERR_ARG);
+    assert_int_equal(f(sums, NULL, sums, mass, 2, 9, scratch, size, &bins), VDNA_ERR_ARG);
+    assert_int_equal(f(sums, mass, NULL, mass, 2, 9, scratch, size, &bins), VDNA_ERR_ARG);
+    assert_int_equal(f(sums, mass, sums, NULL, 2, 9, scratch, size, &bins), VDNA_ERR_ARG);
+    assert_int_equal(f(sums, mass, sums, mass, 0, 9, scratch, size, &bins), VDNA_ERR_ARG);
+    assert_int_equal(f(sums, mass, sums, mass, 2, 1, scratch, size, &bins), VDNA_ERR_ARG);
+    assert_int_equal(f(sums, mass, sums, mass, 2, 65537, scratch, size, &bins), VDNA_ERR_ARG);
+    assert_int_equal(f(sums, mass, sums, mass, 2, 9, scratch, size, NULL), VDNA_ERR_ARG);
+    assert_int_equal(f(sums, mass, sums, mass, 2, 9, NULL, size, &bins), VDNA_ERR_ARG);
+    assert_int_equal(f(sums, mass, sums, mass, 2, 9, (char *)scratch + 4, size, &bins),
+                     VDNA_ERR_ARG);
+    assert_int_equal(f(sums, mass, sums, mass, 2, 9, scratch, size - 1, &bins), VDNA_ERR_NOMEM);
+    assert_int_equal(f(sums, empty, sums, mass, 2, 9, scratch, size, &bins), VDNA_ERR_EMPTY);
+    assert_int_equal(f(sums, mass, sums, empty, 2, 9, scratch, size, &bins), VDNA_ERR_EMPTY);
+    assert_true(bins == -1);
+}
+
 static void sums_that_pass_32_bits_are_refused(void **state)
 {
     (void)state;
@@ -167,6 +206,8 @@ int main(void)
         cmocka_unit_test(what_moves_both_ways_within_a_block_cancels),
         cmocka_unit_test(sizes_are_those_of_the_blocks),
         cmocka_unit_test(neurons_of_different_masses_are_each_bounded_by_their_own),
+        cmocka_unit_test(sums_are_enough_for_the_bound),
+        cmocka_unit_test(bad_arguments_for_rows_of_sums_are_refused),
         cmocka_unit_test(sums_that_pass_32_bits_are_refused),
         cmocka_unit_test(masses_beyond_the_exact_bound_are_refused),
         cmocka_unit_test(bad_arguments_are_refused),

@@ -258,8 +258,11 @@ static void a_bound_never_passes_the_distance(void **state)
         random_candidates();
         const uint32_t *const second = sums + sums_size / sizeof *sums;
         const vdna_hist_view p = view_of(&candidates[0]), q = view_of(&candidates[1]);
-        double bound = -1, distance = -1;
+        double bound = -1, of_sums = -1, distance = -1;
         CHECK(vdna_bounds_mean(&p, sums, &q, second, scratch, sizeof scratch, &bound) == VDNA_OK);
+        CHECK(vdna_bounds_from_sums(sums, p.mass, second, q.mass, neurons, bins, scratch,
+                                    sizeof scratch, &of_sums) == VDNA_OK);
+        CHECK(of_sums == bound);
         CHECK(vdna_emd_mean(&p, &q, scratch, sizeof scratch, &distance) == VDNA_OK);
         CHECK(bound >= 0 && bound <= distance);
         below += bound < distance;

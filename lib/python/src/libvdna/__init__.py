@@ -21,7 +21,17 @@ Units. Distances of histograms are in bins; times are integers of microseconds.
 from ._library import Status, VdnaError, version
 from .activations import FeatureMap
 from .backbone import Backbone, BackboneFrame, BackboneInfo, NamedTap
-from .distance import RankEntry, bound_sums, emd, emd_block, emd_bound, emd_mean, rank, rank_top
+from .distance import (
+    RankEntry,
+    bound_from_sums,
+    bound_sums,
+    emd,
+    emd_block,
+    emd_bound,
+    emd_mean,
+    rank,
+    rank_top,
+)
 from .experience import PLACE_NONE, Experience, open_map
 from .histogram import Histogram, HistogramView
 from .identity import Identity, TapShape, clean_name, format_taps, parse_taps
@@ -70,6 +80,7 @@ __all__ = [
     "TrustTables",
     "VdnaError",
     "Verdict",
+    "bound_from_sums",
     "bound_sums",
     "clean_name",
     "emd",

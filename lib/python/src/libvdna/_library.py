@@ -486,6 +486,17 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
             size,
             POINTER(c_double),
         ),
+        "vdna_bounds_from_sums": (
+            address,
+            address,
+            address,
+            address,
+            c_uint32,
+            c_uint32,
+            address,
+            size,
+            POINTER(c_double),
+        ),
         "vdna_rank_top": (
             POINTER(HistView),
             POINTER(HistView),

@@ -6,6 +6,7 @@ import argparse
 import csv
 import re
 import sys
+from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, List, Optional, Sequence, Tuple
 
 if TYPE_CHECKING:
@@ -82,8 +83,8 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("others", metavar="OTHER", nargs="+", help="URI of a collection")
     command("rebin", "Count the experiences again in the bins of the collection's ranges", stored)
     command("index", "Give every experience a row in the index", stored)
-    one = command("nearest", "Find the experiences nearest to another one", where)
-    one.add_argument("dna", metavar="FILE.vdna", help="an experience file")
+    one = command("nearest", "Find the experiences nearest to others", where)
+    one.add_argument("files", metavar="FILE.vdna", nargs="+", help="an experience file; each is a task")
     one.add_argument("-k", type=int, default=5, help="how many (default: 5)")
     one = command("pairs", "Write the distances of all pairs", stored, where)
     one.add_argument("out", metavar="OUT.parquet", help="columns a, b, distance_bins")
@@ -181,19 +182,31 @@ def _index(options: Any, collection: fleet.Collection, engine: fleet.Engine) -> 
 
 
 def _nearest(options: Any, collection: fleet.Collection, engine: fleet.Engine) -> List[str]:
-    from . import Experience, fleet
+    from . import fleet
 
-    live = Experience.open(options.dna)
-    found = fleet.nearest(
-        collection, live.histogram, str(live.comparable), options.k, options.where
+    several = len(options.files) > 1
+    results = fleet.nearest_of_each(
+        collection, options.files, engine if several else _here, options.k, options.where
     )
-    for neighbour in found.neighbours:
-        print(f"{neighbour.distance_bins:9.4f} {neighbour.name}")
-    print(
-        f"{found.exact} of {found.candidates} distances computed, {found.bytes_read} bytes read",
-        file=sys.stderr,
-    )
-    return found.damaged
+    left_out = [one.failure for one in results if not one.found]
+    if len(left_out) == len(results):
+        raise ValueError("\n".join(left_out))
+    for path, found, _ in results:
+        if not found:
+            continue
+        for neighbour in found.neighbours:
+            print(f"{neighbour.distance_bins:9.4f} {neighbour.name}" + (f" to {path}" if several else ""))
+        print(
+            f"{found.exact} of {found.candidates} distances computed, {found.bytes_read} bytes read",
+            file=sys.stderr,
+        )
+        left_out += found.damaged
+    return left_out
+
+
+def _here() -> Executor:
+    """An engine for what is not worth a process."""
+    return ThreadPoolExecutor(1)
 
 
 def _pairs(options: Any, collection: fleet.Collection, engine: fleet.Engine) -> List[str]:

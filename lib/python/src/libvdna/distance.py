@@ -149,6 +149,43 @@ def emd_bound(
     return bound.value
 
 
+def bound_from_sums(
+    sums_p: NDArray[np.uint32],
+    mass_p: NDArray[np.uint32],
+    sums_q: NDArray[np.uint32],
+    mass_q: NDArray[np.uint32],
+    bins: SupportsIndex,
+) -> float:
+    """The same as emd_bound(), of histograms of which only the bound_sums() and masses are at hand.
+
+    sums_p, sums_q: uint32 [blocks][neurons]
+    mass_p, mass_q: uint32 [neurons]
+    bins: of the histograms
+    VdnaError: EMPTY, OVERFLOW as emd()
+    """
+    bin_count = integer(bins, "bins", 0, UINT32_MAX)
+    rows = [np.ascontiguousarray(row, np.uint32) for row in (sums_p, mass_p, sums_q, mass_q)]
+    neurons = rows[1].size
+    size = lib.vdna_bounds_size(neurons, bin_count)
+    if rows[3].size != neurons or rows[0].nbytes != size or rows[2].nbytes != size:
+        shapes = ", ".join(str(row.shape) for row in rows)
+        raise ValueError(
+            f"sums and masses of shapes {shapes} are not those of two histograms with {bin_count}"
+            " bins: take bound_sums() and mass of both"
+        )
+    scratch = block(lib.vdna_emd_scratch_size(neurons))
+    bound = c_double()
+    lib.vdna_bounds_from_sums(
+        *(row.ctypes.data for row in rows),
+        neurons,
+        bin_count,
+        scratch.ctypes.data,
+        scratch.nbytes,
+        bound,
+    )
+    return bound.value
+
+
 def rank_top(
     live: HistogramView,
     candidates: Sequence[HistogramView],

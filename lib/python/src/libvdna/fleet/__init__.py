@@ -14,7 +14,18 @@ from .sources import Ended, Source, build, calibrate, merge, merged_ranges, rebi
 from .collection import Collection, DamagedObject, Labels
 from .engine import Engine, RayExecutor, local, on_ray, run
 from .index import Index, Indexed, Where, update
-from .search import Duplicate, Duplicates, Found, Neighbour, Pairs, duplicates, nearest, pairs
+from .search import (
+    Duplicate,
+    Duplicates,
+    Found,
+    FoundFor,
+    Neighbour,
+    Pairs,
+    duplicates,
+    nearest,
+    nearest_of_each,
+    pairs,
+)
 from .subset import Shipped, ship
 
 __all__ = [
@@ -25,6 +36,7 @@ __all__ = [
     "Ended",
     "Engine",
     "Found",
+    "FoundFor",
     "Index",
     "Indexed",
     "Labels",
@@ -41,6 +53,7 @@ __all__ = [
     "merge",
     "merged_ranges",
     "nearest",
+    "nearest_of_each",
     "on_ray",
     "pairs",
     "rebin",

@@ -70,12 +70,15 @@ class Stored(NamedTuple):
 
     experience: Experience
     labels: Labels
-    sha256: str
-    """Of the experience file."""
-    size: int
-    """Bytes of the experience file."""
+    vdna: bytes
+    """The experience file."""
     object_size: int
     """Bytes of the object."""
+
+    @property
+    def sha256(self) -> str:
+        """Of the experience file; it takes longer than reading the object."""
+        return hashlib.sha256(self.vdna).hexdigest()
 
 
 class Collection:
@@ -88,12 +91,13 @@ class Collection:
         """
         uri: a local path, or any URI of fsspec, such as s3://bucket/fleet
         """
-        self.uri = uri
         self._fs, root = fsspec.core.url_to_fs(uri)
         self._root = root.rstrip("/")
         self._is_local = "file" in (
             (self._fs.protocol,) if isinstance(self._fs.protocol, str) else self._fs.protocol
         )
+        #: Of a local folder the absolute path, as workers may have another working directory.
+        self.uri = self._root if self._is_local else uri
         self.bytes_read = 0
 
     def __repr__(self) -> str:
@@ -223,7 +227,7 @@ class Collection:
                 f"{where}: holds {experience.name} of comparable {experience.comparable},"
                 " expected what its path says; move it there"
             )
-        return Stored(experience, labels, hashlib.sha256(vdna).hexdigest(), len(vdna), len(data))
+        return Stored(experience, labels, vdna, len(data))
 
     def only_comparable(self, given: Optional[str] = None) -> str:
         """The one comparable of the collection, or the one that `given` begins.

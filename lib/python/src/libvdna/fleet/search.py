@@ -6,7 +6,8 @@ import hashlib
 import heapq
 import io
 import json
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+import os
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 import pyarrow as pa  # type: ignore[import-untyped,unused-ignore]
@@ -17,7 +18,7 @@ from ..experience import Experience
 from ..histogram import HistogramView
 from . import engine
 from .collection import Collection, DamagedObject, batches, writing_local
-from .index import Index, Summary, Where, bound_by_means, bound_by_sums
+from .index import Index, Summary, Where, bound_by_means
 
 _BY_MEANS, _BY_SUMS, _EXACT = range(3)
 
@@ -55,7 +56,7 @@ def nearest(
 
     Best first: what has the least bound is looked at next, more closely each time: by the means, by
     the block sums, by the object itself. What comes up with an exact distance is the next neighbour,
-    as all others are at least as far away.
+    as all others are at least as far away. Block sums are read once: all of a group are then used.
 
     dna: must compare with `comparable`, as Experience.comparable says
     """
@@ -67,6 +68,7 @@ def nearest(
         for row, bound in enumerate(bound_by_means(index.means, live.means, index.bins).tolist())
     ]
     heapq.heapify(heap)
+    by_sums: Dict[int, float] = {}
     neighbours: List[Neighbour] = []
     exact, damaged = 0, []
     while heap and len(neighbours) < k:
@@ -74,8 +76,10 @@ def nearest(
         if level == _EXACT:
             neighbours.append(Neighbour(index.names[row], bound))
         elif level == _BY_MEANS:
-            by_sums = bound_by_sums(live, index.summary(row))
-            heapq.heappush(heap, (max(bound, by_sums), _BY_SUMS, row))
+            if row not in by_sums:
+                for one in index.together(row):
+                    by_sums[one] = live.bound(index.summary(one), index.bins)
+            heapq.heappush(heap, (max(bound, by_sums[row]), _BY_SUMS, row))
         else:
             try:
                 stored = index.load(row)
@@ -86,6 +90,37 @@ def nearest(
             heapq.heappush(heap, (emd_mean(dna, stored.experience.histogram), _EXACT, row))
     read = collection.bytes_read - read_before
     return Found(neighbours, len(index.names), exact, read, damaged)
+
+
+class FoundFor(NamedTuple):
+    """The nearest of one live run among many."""
+
+    path: str
+    found: Optional[Found]
+    """None if it failed."""
+    failure: str
+    """"" if it did not."""
+
+
+def nearest_of_each(
+    collection: Collection,
+    paths: Sequence[str],
+    run_on: engine.Engine,
+    k: int = 5,
+    where: Where = None,
+) -> List[FoundFor]:
+    """nearest() for many experience files, each a task."""
+    tasks = [(collection.uri, os.path.abspath(path), k, where) for path in paths]
+    return [
+        FoundFor(path, done.result, done.failure)
+        for path, done in zip(paths, engine.run(run_on, _nearest_of_file, tasks))
+    ]
+
+
+def _nearest_of_file(uri: str, path: str, k: int, where: Where) -> Found:
+    """Task."""
+    live = Experience.open(path)
+    return nearest(Collection(uri), live.histogram, str(live.comparable), k, where)
 
 
 class Duplicate(NamedTuple):
@@ -158,7 +193,7 @@ def _duplicates_of_route(
         duplicate: Optional[Duplicate] = None
         summary = index.summary(row) if near else None
         for other in near:
-            if summary and bound_by_sums(summary, index.summary(other)) > within_bins:
+            if summary and summary.bound(index.summary(other), index.bins) > within_bins:
                 continue
             try:
                 experience = experience or index.load(row).experience
@@ -184,8 +219,9 @@ def _duplicates_of_route(
 
 #: Most experiences whose pairs are computed without `where`: half a million pairs.
 PAIRS_MAX = 1000
-#: Experiences on either side of a task of pairs(): together 170 MB with 1280 neurons in 1000 bins.
-_PAIRS_SIDE = 16
+#: Experiences on either side of a task of pairs(): together 340 MB with 1280 neurons in 1000 bins.
+#: Reading them takes longer than their distances; with half as many, all takes nearly twice as long.
+_PAIRS_SIDE = 32
 
 
 class Pairs(NamedTuple):

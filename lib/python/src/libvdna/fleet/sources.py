@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import os
 import pathlib
 import shutil
 import subprocess
@@ -28,7 +29,7 @@ class Source(NamedTuple):
     """A traversal to add."""
 
     path: str
-    """An experience file, or a recording: whatever `vdna build` takes."""
+    """An experience file, or a recording: whatever `vdna build` takes. Absolute."""
     name: str
     """Of the experience; of an experience file, it stays as it is."""
     labels: Labels
@@ -37,7 +38,7 @@ class Source(NamedTuple):
     def of(cls, path: str, labels: Labels = Labels()) -> Source:
         """Named as `vdna build` would."""
         stem = pathlib.Path(path).resolve()
-        return cls(path, clean_name(stem.name if stem.is_dir() else stem.stem), labels)
+        return cls(os.path.abspath(path), clean_name(stem.name if stem.is_dir() else stem.stem), labels)
 
     @property
     def is_experience(self) -> bool:
@@ -64,6 +65,11 @@ def _workspace() -> Iterator[pathlib.Path]:
         shutil.rmtree(folder)
 
 
+def _found(program: str) -> str:
+    """The program by an absolute path, unless $PATH has it."""
+    return os.path.abspath(program) if os.sep in program else program
+
+
 def _run_program(*command: Any) -> None:
     try:
         done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
@@ -87,10 +93,11 @@ def calibrate(
     Nothing is written if a source fails.
     """
     collection.sweep()
-    digest = hashlib.sha256(json.dumps(sorted(sources)).encode()).hexdigest()
+    paths = sorted(map(os.path.abspath, sources))
+    digest = hashlib.sha256(json.dumps(paths).encode()).hexdigest()
     folder = f"parts/calibrate-{digest}"
-    keys = [f"{folder}/{number}.json" for number in range(len(sources))]
-    tasks = [(collection.uri, key, source, program) for key, source in zip(keys, sources)]
+    keys = [f"{folder}/{number}.json" for number in range(len(paths))]
+    tasks = [(collection.uri, key, path, _found(program)) for key, path in zip(keys, paths)]
     ended = _ended(engine.run(run_on, _observe, tasks), collection.uri)
     if not ended.failures:
         merged = merged_ranges([json.loads(collection.get(key)) for key in keys])
@@ -139,7 +146,7 @@ def build(
     recordings = [source for source in sources if not source.is_experience]
     there = _names_with_ranges(collection) if recordings else set()
     known = [source for source in recordings if source.name in there]
-    tasks = [(collection.uri, source, program) for source in sources if source not in known]
+    tasks = [(collection.uri, source, _found(program)) for source in sources if source not in known]
     ended = _ended(engine.run(run_on, _add, tasks), collection.uri)
     return ended._replace(there=ended.there + len(known))
 
@@ -188,10 +195,10 @@ def merge(collection: Collection, others: Sequence[str], run_on: engine.Engine) 
     stay as they are."""
     collection.sweep()
     tasks = [
-        (collection.uri, other, comparable, name)
-        for other in others
-        for comparable in Collection(other).comparables()
-        for name in Collection(other).names(comparable)
+        (collection.uri, other.uri, comparable, name)
+        for other in map(Collection, others)
+        for comparable in other.comparables()
+        for name in other.names(comparable)
     ]
     return _ended(engine.run(run_on, _copy, tasks), collection.uri)
 
