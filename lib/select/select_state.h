@@ -36,6 +36,8 @@ struct vdna_select {
     uint32_t is_over; /* whether the window is that of the newest choice, so that the next frame to
                          warm up with begins another */
     uint32_t is_placed; /* whether there is a position */
+    uint32_t
+        is_behind; /* whether localisers are to follow the leads that no answer has needed yet */
     uint32_t previous, restart_cause;
     uint64_t accepted, rejected, restarts, switches;
 
@@ -101,7 +103,8 @@ void vdna_select_forget_held(vdna_select *select);
  * means. */
 void vdna_select_take_lead(vdna_select *select, const float *embedding);
 
-/* Let the localisers follow the leads to where the robot is.
+/* Let the localisers that answer follow the leads to where the robot is; vdna_select_catch_up()
+ * lets the others.
  * @param held  the candidate whose localiser has followed before the choice, or VDNA_SELECT_NONE */
 void vdna_select_follow_leads(vdna_select *select, uint32_t held);
 

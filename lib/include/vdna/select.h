@@ -239,6 +239,13 @@ VDNA_API vdna_status vdna_select_feed_seen(vdna_select *select, const vdna_selec
 VDNA_API vdna_status vdna_select_feed(vdna_select *select, const vdna_select_frame *frame,
                                       vdna_select_answer *out_answer);
 
+/** Do now what the next frame would otherwise wait for. After a choice, the localisers of
+ * candidates that have no say in the answer, though they may be chosen later, have yet to follow
+ * the last frames of the warmup; it takes up to VDNA_LOCALISE_LEAD_FRAMES steps of each. For the
+ * time between two frames: no answer depends on it.
+ *  @param select  NULL is allowed */
+VDNA_API void vdna_select_catch_up(vdna_select *select);
+
 /** Forget the choice and the window, also of trust and of the localisers, and warm up again.
  *  Counters stay, and what is pinned, excluded, or kept by shadow.
  *  @param select  NULL is allowed */
