@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include <vdna/cpp/error.hpp>
+#include <vdna/cpp/trust.hpp>
 
 #include "eval/compare_localisers.hpp"
 #include "eval/conditions.hpp"
@@ -108,7 +109,7 @@ class Run
             const Trial trial = try_trust(tables, localiser_,
                                           frames_in(ready.disturbed[d], ready.columns.size(), map));
             unlike_.push_back({disturbances[d].key, size, c.query,
-                               trial.full.answer.verdict == VDNA_TRUST_UNLIKE, unknown});
+                               looks_like_none(trial.full.answer.verdict), unknown});
         }
         rank(c, tables, live.bins);
         cases_[size].push_back(std::move(c));
@@ -127,7 +128,7 @@ class Run
     void add_unlike(const std::string &live, const TrustCase &c)
     {
         unlike_.push_back({live, c.references, c.query,
-                           c.trial.full.answer.verdict == VDNA_TRUST_UNLIKE,
+                           looks_like_none(c.trial.full.answer.verdict),
                            *std::max_element(c.achieved.begin(), c.achieved.end())});
     }
 

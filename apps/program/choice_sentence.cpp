@@ -52,6 +52,14 @@ void append_expectation(Sentence &sentence, const Choice &choice)
 
 void append_misfit(Sentence &sentence, const Choice &choice)
 {
+    if (std::strcmp(choice.verdict, "blank") == 0) {
+        append(
+            sentence,
+            "the frames hardly differ and look like none of %d experiences: see whether the lens "
+            "is covered, or the camera broken",
+            choice.count);
+        return;
+    }
     append(sentence, "none of %d experiences ", choice.count);
     if (std::strcmp(choice.verdict, "poor") == 0) {
         append(sentence, "is good enough: the best, %s, ", choice.experience);

@@ -14,7 +14,7 @@ struct Choice {
     int count;              // experiences
     int frames;             // of the warmup, until the choice
     int warmup_frames;      // that it may take; 0 = not known
-    const char *verdict;    // as in ranking_t: "", "unlike" or "poor"
+    const char *verdict;    // as in ranking_t: "", "unlike", "poor" or "blank"
     double unlike;          // as in ranking_t; NaN = not known
     // Of the chosen one, as in ranking_t; NaN = not predicted.
     double predicted_recall, predicted_low, predicted_high;

@@ -131,6 +131,9 @@ Followed follow_in(const vdna_experience &experience, const Recording &warmup,
         program::require_not_interrupted();
         vdna_localise_answer answer;
         require(vdna_localise_feed(localiser.get(), live.embedding(i), &answer), experience.name);
+        if (result.filter.lost_after == 0 &&
+            vdna_localise_jumps(localiser.get()) >= VDNA_LOCALISE_LOST_JUMPS)
+            result.filter.lost_after = i + 1;
         const float *const distances = vdna_localise_distances(localiser.get());
         Match filter{&experience, answer.frame, distances[answer.frame]};
         filter.confidence = answer.confidence;
@@ -155,6 +158,7 @@ Localisation composite_of(const std::vector<Localisation> &parts)
 {
     Localisation all = parts.front();
     all.experience = "all";
+    all.lost_after = 0;
     for (const Localisation &part : parts) {
         if (part.unit != all.unit) {
             all.unit = Unit::none;

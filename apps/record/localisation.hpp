@@ -36,6 +36,8 @@ struct Localisation {
     Unit unit = Unit::none;
     std::string difference;     // as of Truth
     std::vector<Match> matches; // [live frames]
+    uint32_t lost_after = 0;    // live frames after which the place filter had jumped as it does on
+                                // another route (VDNA_LOCALISE_LOST_JUMPS); 0 = it never had
 
     uint32_t judged() const;      // live frames with ground truth
     uint32_t good() const;        // matches within tolerance

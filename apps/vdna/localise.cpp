@@ -97,6 +97,8 @@ void report_line(const LocaliseOptions &options, const Answers &answers, int wid
     if (!is_judged)
         std::cout << "  not labelled alike" << (told.difference.empty() ? "" : ": ")
                   << told.difference;
+    if (told.lost_after > 0)
+        std::cout << "  another route, by its jumps after " << told.lost_after << " frames";
     std::cout << '\n';
 }
 
@@ -175,6 +177,7 @@ program::Json json_of(const LocaliseOptions &options, const Answers &answers,
         {"nearest_recall_percent", known(is_labelled, answers.nearest.recall_percent())},
         {"unsure_percent",
          known(options.with_filter(), told.unsure_percent(options.min_confidence))},
+        {"lost_after_frames", known(told.lost_after > 0, told.lost_after)},
         {"good", known(is_labelled, told.good())},
         {"unreachable", known(is_labelled, told.unreachable())},
         {"judged", told.judged()},

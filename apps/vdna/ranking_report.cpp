@@ -36,7 +36,7 @@ using Number = double vdna_trust_prediction::*;
 // map's, nobody knows what those got.
 bool has(const Ranking &ranking, Number number)
 {
-    if (!ranking.expectation || ranking.expectation->answer.verdict == VDNA_TRUST_UNLIKE)
+    if (!ranking.expectation || looks_like_none(ranking.expectation->answer.verdict))
         return false;
     const std::vector<vdna_trust_prediction> &all = ranking.expectation->predictions;
     return std::any_of(all.begin(), all.end(),

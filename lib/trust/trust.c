@@ -15,6 +15,8 @@ enum { RETURNS = 8, MEMORY_FRAMES = 100 };
 static const double relative_limit = 2;
 static const double settled_deviations = 1.645; /* one-sided, 5 % */
 static const double likeness_margin = 0.10;     /* of `unlike`, on the last layer */
+static const double blank_margin = 0.05;        /* of a run that hardly varies */
+static const double blank_variation = 0.025;    /* its standard deviation over its mean */
 static const double switch_slack = 0.02;        /* in correct frames per frame */
 
 static const vdna_trust_prior priors[] = {
@@ -28,16 +30,18 @@ static const vdna_trust_config trust_defaults = {.switch_cost = 5};
 struct vdna_trust {
     vdna_trust_fit fit;
     vdna_trust_model model;
-    double *own;           /* w */
-    double *mean;          /* rho of the live frames */
-    double *mean_likeness; /* the same on the last layer */
-    double *products;      /* [runs (runs + 1) / 2], sums of products of two candidates' rho about
-                              their means */
-    double *gain;          /* G */
-    int64_t *left;         /* when a candidate was left, in frames since the first choice */
+    double *own;              /* w */
+    double *mean;             /* rho of the live frames */
+    double *mean_likeness;    /* the same on the last layer */
+    double *likeness_squares; /* sum of squares about that mean */
+    double *products; /* [runs (runs + 1) / 2], sums of products of two candidates' rho about
+                         their means */
+    double *gain;     /* G */
+    int64_t *left;    /* when a candidate was left, in frames since the first choice */
     int64_t returns[RETURNS]; /* when candidates were returned to, the newest ones; at a cost of at
                                  least one frame, which doubles, no more fit into MEMORY_FRAMES */
     int64_t time;
+    double typical; /* ln rho of the median stored run to its nearest; NaN as `far` */
     double min_recall, switch_cost;
     uint32_t frames, settled_frames, chosen, return_count;
     int32_t has_tables, is_comparable, has_chosen;
@@ -67,7 +71,7 @@ static int read_trust_config(const vdna_trust_config *given, vdna_trust_config *
 
 static size_t size_of_trust(size_t runs)
 {
-    const size_t arrays = 5 + 1 + VDNA_TRUST_WORK; /* of doubles; `left` is as wide */
+    const size_t arrays = 6 + 1 + VDNA_TRUST_WORK; /* of doubles; `left` is as wide */
     return sizeof(vdna_trust) + sizeof(double) * (4 * runs * runs + arrays * runs) +
            sizeof(uint32_t) * (runs + runs % 2);
 }
@@ -149,14 +153,26 @@ static double loneliness_of(const vdna_trust_tables *tables, uint32_t runs, uint
     return sum;
 }
 
-static double far_of(const vdna_trust_tables *tables, uint32_t runs, uint32_t by_likeness)
+/* Put a value among `count` ascending ones. */
+static void insert_ascending(double *sorted, uint32_t count, double value)
 {
-    double far = NAN;
-    for (uint32_t a = 0; a < runs && runs > 1; a++) {
-        const double lonely = loneliness_of(tables, runs, a, by_likeness);
-        far = lonely < far ? far : lonely;
-    }
-    return far;
+    uint32_t at = count;
+    for (; at > 0 && sorted[at - 1] > value; at--)
+        sorted[at] = sorted[at - 1];
+    sorted[at] = value;
+}
+
+/* How lonely the stored runs are: the loneliest, and the median (the upper of two).
+ * @param sorted  [runs], working memory */
+static void take_loneliness(vdna_trust *trust, const vdna_trust_tables *tables, double *sorted)
+{
+    const uint32_t runs = trust->model.runs;
+    if (runs == 1)
+        return;
+    for (uint32_t a = 0; a < runs; a++)
+        insert_ascending(sorted, a, loneliness_of(tables, runs, a, trust->fit.by_likeness));
+    trust->fit.far = sorted[runs - 1];
+    trust->typical = sorted[runs / 2];
 }
 
 /* Median of the tau that are known, at least 1; NaN if none is.
@@ -166,12 +182,8 @@ static double correlation_of(const vdna_trust_tables *tables, uint32_t runs, dou
     uint32_t count = 0;
     for (uint32_t a = 0; a < runs; a++) {
         const double tau = tables->correlation[a];
-        if (isnan(tau))
-            continue;
-        uint32_t at = count++;
-        for (; at > 0 && sorted[at - 1] > tau; at--)
-            sorted[at] = sorted[at - 1];
-        sorted[at] = tau;
+        if (!isnan(tau))
+            insert_ascending(sorted, count++, tau);
     }
     if (count == 0)
         return NAN;
@@ -187,8 +199,9 @@ static void set_arrays(vdna_trust *trust)
                                 &trust->model.y};
     for (size_t i = 0; i < sizeof squares / sizeof *squares; i++, next += runs * runs)
         *squares[i] = next;
-    double **const rows[] = {&trust->own, &trust->mean, &trust->mean_likeness, &trust->gain,
-                             &trust->model.intercept};
+    double **const rows[] = {&trust->own,           &trust->mean,
+                             &trust->mean_likeness, &trust->likeness_squares,
+                             &trust->gain,          &trust->model.intercept};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++, next += runs)
         *rows[i] = next;
     trust->model.work = next;
@@ -221,7 +234,7 @@ vdna_status vdna_trust_init(const vdna_trust_config *config, void *mem, size_t m
     trust->has_tables = c.tables != NULL;
     vdna_trust_fit *fit = &trust->fit;
     fit->skill = fit->slope = fit->sd = fit->sd_best = fit->quantile = NAN;
-    fit->far = fit->correlation = NAN;
+    fit->far = trust->typical = fit->correlation = NAN;
     set_arrays(trust);
     for (uint32_t b = 0; b < c.runs; b++) {
         trust->own[b] = c.tables ? c.tables->own_scale[b] : 1;
@@ -229,7 +242,7 @@ vdna_status vdna_trust_init(const vdna_trust_config *config, void *mem, size_t m
     }
     if (c.tables) {
         fit->by_likeness = has_likeness(c.tables, c.runs);
-        fit->far = far_of(c.tables, c.runs, fit->by_likeness);
+        take_loneliness(trust, c.tables, trust->gain);
         fit->correlation = correlation_of(c.tables, c.runs, trust->gain);
         /* `left` is free until a choice is watched, and wider than what the fit needs. */
         vdna_trust_model_fit(&trust->model, c.tables, (uint32_t *)(void *)trust->left, fit);
@@ -249,7 +262,7 @@ void vdna_trust_reset(vdna_trust *trust)
     trust->frames = trust->settled_frames = 0;
     trust->has_chosen = 0;
     for (size_t b = 0; b < runs; b++)
-        trust->mean[b] = trust->mean_likeness[b] = 0;
+        trust->mean[b] = trust->mean_likeness[b] = trust->likeness_squares[b] = 0;
     for (size_t i = 0; i < runs * (runs + 1) / 2; i++)
         trust->products[i] = 0;
 }
@@ -262,6 +275,16 @@ static int are_relative(const double *values, uint32_t count)
     for (uint32_t i = 0; i < count; i++)
         good &= is_from_to(values[i], 0, relative_limit);
     return good;
+}
+
+/* Take a frame's likeness into the means and the sums of squares. */
+static void take_likeness(vdna_trust *trust, const double *likeness)
+{
+    for (uint32_t b = 0; b < trust->model.runs; b++) {
+        const double before = likeness[b] - trust->mean_likeness[b];
+        trust->mean_likeness[b] += before / trust->frames;
+        trust->likeness_squares[b] += before * (likeness[b] - trust->mean_likeness[b]);
+    }
 }
 
 /* Take a frame into the means and the sums of products. */
@@ -345,8 +368,8 @@ vdna_status vdna_trust_feed(vdna_trust *trust, const double *nearest, const doub
 
     trust->frames++;
     take_frame(trust, nearest);
-    for (uint32_t b = 0; b < runs && trust->fit.by_likeness; b++)
-        trust->mean_likeness[b] += (likeness[b] - trust->mean_likeness[b]) / trust->frames;
+    if (trust->fit.by_likeness)
+        take_likeness(trust, likeness);
     if (trust->settled_frames == 0 && is_settled(trust))
         trust->settled_frames = trust->frames;
     return VDNA_OK;
@@ -365,6 +388,15 @@ static const double *likeness_means(const vdna_trust *trust)
     return trust->fit.by_likeness ? trust->mean_likeness : trust->mean;
 }
 
+static uint32_t nearest_of(const vdna_trust *trust)
+{
+    const double *means = likeness_means(trust);
+    uint32_t nearest = 0;
+    for (uint32_t b = 1; b < trust->model.runs; b++)
+        nearest = means[b] < means[nearest] ? b : nearest;
+    return nearest;
+}
+
 /* How much farther the live run is from a candidate than the loneliest stored run from its
  * nearest. */
 static double unlike_in(const vdna_trust *trust, uint32_t candidate)
@@ -373,21 +405,29 @@ static double unlike_in(const vdna_trust *trust, uint32_t candidate)
                               : vdna_ln(likeness_means(trust)[candidate]) - trust->fit.far;
 }
 
-/* The same of its nearest candidate. */
-static double unlike_of(const vdna_trust *trust)
+/* Whether frames hardly differ in how far they are from a candidate, which is farther than usual.
+ */
+static int is_blank(const vdna_trust *trust, uint32_t candidate)
 {
-    const double *means = likeness_means(trust);
-    uint32_t nearest = 0;
-    for (uint32_t b = 1; b < trust->model.runs; b++)
-        nearest = means[b] < means[nearest] ? b : nearest;
-    return unlike_in(trust, nearest);
+    if (!trust->fit.by_likeness)
+        return 0;
+    const double mean = trust->mean_likeness[candidate];
+    const double deviation = blank_variation * mean;
+    return vdna_ln(mean) - trust->typical > blank_margin &&
+           trust->likeness_squares[candidate] < deviation * deviation * trust->frames;
 }
 
-/* Whether that is too far: never of few frames, nor if it is not known. */
-static int is_unlike(const vdna_trust *trust, double unlike)
+/* Whether the live run fits a candidate, by its looks. Too few frames cannot tell; what is not
+ * known does not speak against it. */
+static uint32_t looks_in(const vdna_trust *trust, uint32_t candidate)
 {
-    return trust->frames >= VDNA_TRUST_FRAMES_MIN &&
-           unlike > (trust->fit.by_likeness ? likeness_margin : trust->model.prior->unlike_margin);
+    const double margin =
+        trust->fit.by_likeness ? likeness_margin : trust->model.prior->unlike_margin;
+    if (trust->frames < VDNA_TRUST_FRAMES_MIN)
+        return VDNA_TRUST_FITS;
+    if (unlike_in(trust, candidate) > margin)
+        return VDNA_TRUST_UNLIKE;
+    return is_blank(trust, candidate) ? VDNA_TRUST_BLANK : VDNA_TRUST_FITS;
 }
 
 /* Reason that holds for all labelled candidates. */
@@ -480,11 +520,11 @@ vdna_status vdna_trust_predict(vdna_trust *trust, const double *distance_bins,
     const vdna_trust_model *model = &trust->model;
     vdna_trust_answer answer = {VDNA_TRUST_FITS, trust->frames, 0, trust->settled_frames, 0};
     answer.choice = trust->frames > 0 ? take_z(trust, model->work) : 0;
-    answer.unlike = unlike_of(trust);
-    if (is_unlike(trust, answer.unlike))
-        answer.verdict = VDNA_TRUST_UNLIKE;
+    const uint32_t nearest = nearest_of(trust);
+    answer.unlike = unlike_in(trust, nearest);
+    answer.verdict = looks_in(trust, nearest);
     const uint32_t reason =
-        reason_of(trust, answer.verdict == VDNA_TRUST_UNLIKE, distance_bins != NULL);
+        reason_of(trust, answer.verdict != VDNA_TRUST_FITS, distance_bins != NULL);
     const int is_predicted = reason == VDNA_TRUST_REASON_NONE;
     write_without(trust, model->work, is_predicted ? VDNA_TRUST_REASON_NOT_LABELLED : reason,
                   out_predictions);
@@ -503,11 +543,9 @@ vdna_status vdna_trust_judge(const vdna_trust *trust, uint32_t candidate,
 {
     if (!trust || candidate >= trust->model.runs || !predictions || !answer)
         return VDNA_ERR_ARG;
-    answer->verdict = VDNA_TRUST_FITS;
     answer->unlike = unlike_in(trust, candidate);
-    if (is_unlike(trust, answer->unlike))
-        answer->verdict = VDNA_TRUST_UNLIKE;
-    else if (predictions[candidate].recall < trust->min_recall)
+    answer->verdict = looks_in(trust, candidate);
+    if (answer->verdict == VDNA_TRUST_FITS && predictions[candidate].recall < trust->min_recall)
         answer->verdict = VDNA_TRUST_POOR;
     return VDNA_OK;
 }

@@ -15,8 +15,8 @@ LEAST = 0.9      # confidence
 
 
 class Drives(Scratch):
-    def drive(self, name, *options):
-        self.vdna("simulate", name, "--frames", FRAMES, "--step", 1, "--size", "96x72",
+    def drive(self, name, *options, frames=FRAMES):
+        self.vdna("simulate", name, "--frames", frames, "--step", 1, "--size", "96x72",
                   "--variation", 0.6, *options)
 
     def setUp(self):
@@ -45,6 +45,17 @@ class Drives(Scratch):
                 self.assertTrue(0 <= match["confidence"] <= 1 and match["moving"])
         self.assertGreater(sum(a["recall_percent"] for a in everything),
                            sum(a["nearest_recall_percent"] for a in everything))
+
+    def test_a_drive_on_another_route_is_told_by_its_jumps(self):
+        self.drive("elsewhere", "--condition", "summer", "--drive", 3, "--seed", 9, frames=150)
+        found = self.vdna_json("localise", "elsewhere", "map", "--skip", WARMUP)
+        told = [answers["lost_after_frames"] for answers in found["candidates"]]
+        self.assertTrue(all(10 < frames <= 140 for frames in told), told)
+        self.assertIsNone(found["all"]["lost_after_frames"])
+        text = self.vdna("localise", "elsewhere", "map", "--skip", WARMUP)
+        self.assertRegex(text, rf"summer .* another route, by its jumps after {told[0]} frames\n")
+        for answers in self.localise()["candidates"]:
+            self.assertIsNone(answers["lost_after_frames"])
 
     def test_all_together_are_the_surest_answer_and_the_nearest_frame(self):
         found = self.localise()

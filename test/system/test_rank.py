@@ -24,9 +24,9 @@ def vdna(*arguments):
     subprocess.run([VDNA, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
 
 
-def simulate(folder, condition, drive, frames=FRAMES):
+def simulate(folder, condition, drive, frames=FRAMES, *more):
     vdna("simulate", folder, "--condition", condition, "--drive", drive, "--frames", frames, "--step", 2,
-         "--variation", 0.6, "--size", f"{WIDTH}x{HEIGHT}")
+         "--variation", 0.6, "--size", f"{WIDTH}x{HEIGHT}", *more)
 
 
 def write_pixels(folder, pixels):
@@ -119,6 +119,20 @@ class Rank(Scratch):
             with self.subTest(live=name):
                 _, told = self.rank(self.folder / name, self.drives / "days", code=3)
                 self.assertEqual(told["verdict"], "unlike")
+
+    def test_a_covered_lens_is_told_from_a_night_that_the_map_has(self):
+        chance = random.Random(1)
+        drives = [self.folder / condition for condition in ("autumn", "winter", "night")]
+        for i, drive in enumerate(drives):
+            simulate(drive, drive.name, i, FRAMES, "--seed", 42)
+        vdna("build", self.folder / "map", *drives)
+        write_pixels(self.folder / "covered", lambda: bytes(chance.choices(range(8), k=WIDTH * HEIGHT * 3)))
+        _, told = self.rank(self.folder / "covered", self.folder / "map", code=3)
+        self.assertEqual(told["verdict"], "blank")
+        self.assertLess(told["unlike"], 0.1)
+        self.assertIsNone(told["ranking"][0]["predicted_recall"])
+        self.assertEqual(told["sentence"], "the frames hardly differ and look like none of 3 experiences: see "
+                                           "whether the lens is covered, or the camera broken")
 
     def test_what_is_excluded_votes_no_more(self):
         _, told = self.rank("summer2", self.drives / "days", "--exclude", "summer")

@@ -79,6 +79,10 @@
  *    such value of a stored run a (mean over its windows of the least ln `likeness` of other runs),
  *    is above 0.10. Where some cell has no `likeness`, on `nearest`, above 0.20 (EUCLIDEAN 0.10).
  *    It needs two runs, and no labels.
+ *  - **Blank**: of the last layer alone, ln of the same mean rho, minus the median of those values
+ *    of the stored runs (the upper of two), is above 0.05, and the standard deviation of rho over
+ *    the live frames is below 0.025 of its mean. Frames of a drive differ more; those of a covered
+ *    lens do not, and a map of day and night has a loneliest run so lonely that they are as near.
  *  - **Settled**, from n = 10 frames: z_b = c_b + beta ln(mean s_b) is highest for k, the first of
  *    equals, and for all others z_k - z_b >= 1.645 |beta| sqrt(var(s_b / mean s_b - s_k / mean
  *    s_k) tau / n), var being unbiased and over the n frames. If not all runs, or fewer than 3, are
@@ -269,7 +273,9 @@ typedef struct vdna_trust_config {
 enum {
     VDNA_TRUST_FITS = 0,   /**< nothing speaks against it, or there are too few frames to tell */
     VDNA_TRUST_UNLIKE = 1, /**< the live run looks like none of the candidates */
-    VDNA_TRUST_POOR = 2    /**< the best predicted recall is below `min_recall` */
+    VDNA_TRUST_POOR = 2,   /**< the best predicted recall is below `min_recall` */
+    VDNA_TRUST_BLANK = 3   /**< the live frames hardly differ, and look like none of the candidates:
+                                the lens is covered, or the camera broken */
 };
 
 /** Why there is no prediction; the first that holds. */
@@ -299,7 +305,7 @@ typedef struct vdna_trust_prediction {
 
 /** What the warmup says so far. */
 typedef struct vdna_trust_answer {
-    uint32_t verdict; /**< VDNA_TRUST_FITS, _UNLIKE or _POOR */
+    uint32_t verdict; /**< VDNA_TRUST_UNLIKE, _BLANK, _POOR, the first that holds, or _FITS */
     uint32_t frames;  /**< n, fed since the last reset */
     uint32_t choice;  /**< the candidate of highest z: that of which `settled_frames` speaks */
     uint32_t settled_frames; /**< frames after which the choice had settled; 0 = not yet */
@@ -330,7 +336,7 @@ typedef struct vdna_trust vdna_trust;
 VDNA_API void vdna_trust_config_init(vdna_trust_config *config);
 
 /** Bytes that vdna_trust_init() needs: for each pair of candidates, both ways and with itself, 32,
- *  for each candidate 104, and some 300, whether or not there are tables.
+ *  for each candidate 112, and some 300, whether or not there are tables.
  *  @param config  its tables are ignored
  *  @return bytes; 0 if a field breaks its rule */
 VDNA_API size_t vdna_trust_mem_size(const vdna_trust_config *config);

@@ -310,7 +310,7 @@ static void predict(calls *c, machine *m)
     if (status == VDNA_OK) {
         for (uint32_t b = 0; b < m->runs; b++)
             check_prediction(&predictions[b]);
-        MUST(answer.verdict <= VDNA_TRUST_POOR && answer.frames == m->fed);
+        MUST(answer.verdict <= VDNA_TRUST_BLANK && answer.frames == m->fed);
         MUST(answer.choice < m->runs && answer.settled_frames <= m->fed);
         MUST(answer.settled_frames == vdna_trust_settled_frames(m->trust));
         MUST(answer.settled_frames == 0 || m->fed >= VDNA_TRUST_SETTLED_FRAMES);
@@ -319,7 +319,7 @@ static void predict(calls *c, machine *m)
         const uint32_t candidate = below(c, m->runs + 1);
         MUST((vdna_trust_judge(m->trust, candidate, predictions, &alone) == VDNA_OK) ==
              (candidate < m->runs));
-        MUST(alone.verdict <= VDNA_TRUST_POOR && alone.choice == answer.choice);
+        MUST(alone.verdict <= VDNA_TRUST_BLANK && alone.choice == answer.choice);
         MUST(!isinf(alone.unlike) && !(alone.unlike < answer.unlike));
     }
     free(bins);

@@ -64,6 +64,15 @@ void a_run_unlike_all_is_told_what_would_help(void **)
     expect(choice, "none of 4 experiences looks like this run; record one now with `vdna build`");
 }
 
+void frames_that_show_nothing_are_told_to_look_at_the_camera(void **)
+{
+    Choice choice = sure;
+    choice.verdict = "blank";
+    choice.unlike = std::log(0.9);
+    expect(choice, "the frames hardly differ and look like none of 4 experiences: see whether the "
+                   "lens is covered, or the camera broken");
+}
+
 void too_poor_a_choice_is_told_what_would_help(void **)
 {
     Choice choice = sure;
@@ -110,6 +119,7 @@ int main()
         cmocka_unit_test(a_map_whose_distances_say_nothing_is_told),
         cmocka_unit_test(a_choice_without_prediction_says_why),
         cmocka_unit_test(a_run_unlike_all_is_told_what_would_help),
+        cmocka_unit_test(frames_that_show_nothing_are_told_to_look_at_the_camera),
         cmocka_unit_test(too_poor_a_choice_is_told_what_would_help),
         cmocka_unit_test(another_choice_while_driving_says_what_it_replaces),
         cmocka_unit_test(a_margin_says_how_much_of_it_the_named_neurons_make),

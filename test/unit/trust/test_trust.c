@@ -559,12 +559,16 @@ static void set_likeness(uint32_t runs, double likeness)
             map.cells[i].likeness[w] = likeness;
 }
 
-static void feed_likeness(vdna_trust *trust, double likeness)
+/* Frames that are in turn nearer and farther than `mean` by a share of it. */
+static void feed_varying(vdna_trust *trust, double mean, double share, int frames)
 {
-    const double nearest[] = {0.1, 0.2, 0.3}, like[] = {0.9, likeness, 0.8};
     vdna_trust_reset(trust);
-    for (int t = 0; t < 20; t++)
-        OK(vdna_trust_feed(trust, nearest, like));
+    for (int t = 0; t < frames; t++) {
+        const double nearest[] = {0.1, 0.2, 0.3};
+        const double like = mean * (t % 2 == 0 ? 1 - share : 1 + share);
+        const double likeness[] = {like, like, 2 * like};
+        OK(vdna_trust_feed(trust, nearest, likeness));
+    }
 }
 
 static void unlike_is_judged_on_the_last_layer_where_all_runs_have_it(void **state)
@@ -576,15 +580,52 @@ static void unlike_is_judged_on_the_last_layer_where_all_runs_have_it(void **sta
     vdna_trust_prediction p[3];
     assert_int_equal(vdna_trust_fitted(trust)->by_likeness, 1);
     assert_near(vdna_trust_fitted(trust)->far, log(0.5));
-    feed_likeness(trust, 0.5 * exp(0.09));
+    feed_varying(trust, 0.5 * exp(0.09), 0.05, 20);
     assert_int_equal(predicted(trust, distances, p).verdict, VDNA_TRUST_FITS);
-    feed_likeness(trust, 0.5 * exp(0.11));
+    feed_varying(trust, 0.5 * exp(0.11), 0.05, 20);
     assert_int_equal(predicted(trust, distances, p).verdict, VDNA_TRUST_UNLIKE);
 
     cell(2, 1, 3)->likeness[6] = NAN;
     trust = made(&config);
     assert_int_equal(vdna_trust_fitted(trust)->by_likeness, 0);
-    feed_likeness(trust, 2);
+    feed_varying(trust, 0.95, 0.05, 20);
+    assert_int_equal(predicted(trust, distances, p).verdict, VDNA_TRUST_FITS);
+}
+
+/* A map of two looks: its loneliest run is twice as far from the others as the median. */
+static vdna_trust *a_map_with_a_lonely_run(void)
+{
+    const vdna_trust_config config = a_map_of(3);
+    set_likeness(3, 0.4);
+    for (uint32_t b = 0; b < 2; b++)
+        for (uint32_t i = 0; i < VDNA_TRUST_WINDOWS; i++)
+            cell(2, b, 3)->likeness[i] = 0.8;
+    return made(&config);
+}
+
+static void frames_that_hardly_differ_and_are_far_are_blank(void **state)
+{
+    (void)state;
+    vdna_trust *trust = a_map_with_a_lonely_run();
+    vdna_trust_prediction p[3];
+    assert_near(vdna_trust_fitted(trust)->far, log(0.8));
+    feed_varying(trust, 0.4 * exp(0.06), 0.024, 20);
+    vdna_trust_answer answer = predicted(trust, distances, p);
+    assert_int_equal(answer.verdict, VDNA_TRUST_BLANK);
+    assert_near(answer.unlike, log(0.5) + 0.06);
+    assert_no_prediction(&p[0], VDNA_TRUST_REASON_UNLIKE);
+    OK(vdna_trust_judge(trust, 1, p, &answer));
+    assert_int_equal(answer.verdict, VDNA_TRUST_BLANK);
+    OK(vdna_trust_judge(trust, 2, p, &answer));
+    assert_int_equal(answer.verdict, VDNA_TRUST_BLANK); /* twice as far, and not yet unlike */
+
+    feed_varying(trust, 0.4 * exp(0.06), 0.026, 20); /* frames differ */
+    assert_int_equal(predicted(trust, distances, p).verdict, VDNA_TRUST_FITS);
+    feed_varying(trust, 0.4 * exp(0.04), 0, 20); /* a robot that stands, near enough */
+    assert_int_equal(predicted(trust, distances, p).verdict, VDNA_TRUST_FITS);
+    feed_varying(trust, 0.8 * exp(0.11), 0, 20);
+    assert_int_equal(predicted(trust, distances, p).verdict, VDNA_TRUST_UNLIKE);
+    feed_varying(trust, 0.7, 0, VDNA_TRUST_FRAMES_MIN - 1); /* too early to tell */
     assert_int_equal(predicted(trust, distances, p).verdict, VDNA_TRUST_FITS);
 }
 
@@ -968,6 +1009,7 @@ int main(void)
         cmocka_unit_test(where_nothing_is_ever_recognised_nothing_is_expected),
         cmocka_unit_test(more_than_31_runs_have_the_last_quantile),
         cmocka_unit_test(unlike_is_judged_on_the_last_layer_where_all_runs_have_it),
+        cmocka_unit_test(frames_that_hardly_differ_and_are_far_are_blank),
         cmocka_unit_test(without_it_the_margin_is_twice_as_wide),
         cmocka_unit_test(a_choice_settles_when_the_lead_outgrows_the_noise),
         cmocka_unit_test(a_settled_choice_stays_so_until_a_reset),

@@ -86,7 +86,22 @@ inline vdna_trust_config trust_defaults()
 /** The word that ranking_t has for a verdict, VDNA_TRUST_UNLIKE and others; "" if it fits. */
 inline const char *name_of_verdict(uint32_t verdict)
 {
-    return verdict == VDNA_TRUST_UNLIKE ? "unlike" : verdict == VDNA_TRUST_POOR ? "poor" : "";
+    switch (verdict) {
+    case VDNA_TRUST_UNLIKE:
+        return "unlike";
+    case VDNA_TRUST_POOR:
+        return "poor";
+    case VDNA_TRUST_BLANK:
+        return "blank";
+    default:
+        return "";
+    }
+}
+
+/** Whether the looks of the live run are those of no candidate, so that nothing is predicted. */
+inline bool looks_like_none(uint32_t verdict)
+{
+    return verdict == VDNA_TRUST_UNLIKE || verdict == VDNA_TRUST_BLANK;
 }
 
 /** A vdna_trust and its memory. */

@@ -288,6 +288,9 @@ class Verdict(enum.IntEnum):
     """The live run looks like none of the candidates."""
     POOR = 2
     """The best predicted recall is below `min_recall`."""
+    BLANK = 3
+    """The live frames hardly differ, and look like none of the candidates: the lens is covered, or
+    the camera broken."""
 
 
 class Prediction(NamedTuple):
