@@ -33,8 +33,9 @@ struct vdna_select {
     float code_scale;
 
     uint32_t state, chosen, ranked_by;
-    uint32_t is_over; /* whether the window is that of the newest choice, so that the next frame to
-                         warm up with begins another */
+    uint32_t is_early; /* whether the newest choice had settled before its warmup was complete */
+    uint32_t is_over;  /* whether the window is that of the newest choice, so that the next frame to
+                          warm up with begins another */
     uint32_t is_placed; /* whether there is a position */
     uint32_t
         is_behind; /* whether localisers are to follow the leads that no answer has needed yet */
@@ -86,9 +87,11 @@ vdna_status vdna_select_measure_for_warmup(vdna_select *select, const float *emb
 /* Count the frame that was measured. */
 void vdna_select_count(vdna_select *select);
 
-/* Ask trust about the ranking by distance, and bring it into the order of the choice.
- * @param is_early  whether the choice has settled before the end of the warmup */
-void vdna_select_judge(vdna_select *select, int is_early);
+/* Whether the first answer need not wait for the rest of the warmup. */
+int vdna_select_may_stop(const vdna_select *select);
+
+/* Ask trust about the ranking by distance, and bring it into the order of the choice. */
+void vdna_select_judge(vdna_select *select);
 
 /* ---- select_follow.c ---- */
 

@@ -22,8 +22,9 @@
  *  choice comes with what may be expected of it: vdna_select_trust(), vdna_select_predictions().
  *
  *  - Order. By distance; or by transfer, if `rank` says so and trust tells that of every candidate.
- *    With `stop_early` the first choice comes as soon as it has settled, in the order of the
- *    predictions' scores: so few frames have a distance from anything.
+ *    With `stop_early` the first choice comes as soon as it has settled: by transfer with 20 frames
+ *    at least; where that is not told, in the order of the predictions' scores, because so few
+ *    frames have a distance from anything.
  *  - NONE_FITS, if trust's verdict is UNLIKE or POOR. Ranking, choice and localisation are there as
  *    in SELECTED, of the least bad. Meanwhile another warmup begins with the next frame, and when
  *    it is complete, be it settled or not, the selector chooses again, and so on until one fits.
@@ -348,6 +349,11 @@ VDNA_API const vdna_rank_entry *vdna_select_ranking(const vdna_select *select, u
  *  @param candidate  index
  *  @return 1 if so; 0 if it has the distance, in state WARMUP, and if there is no such candidate */
 VDNA_API uint32_t vdna_select_is_bound(const vdna_select *select, uint32_t candidate);
+
+/** Tell whether the choice had settled before its warmup was complete.
+ *  @param select  NULL gives 0
+ *  @return 1 if so; 0 if not, and in state WARMUP */
+VDNA_API uint32_t vdna_select_is_early(const vdna_select *select);
 
 /** Tell what ordered the ranking; a switch has moved its choice to the front since.
  *  @param select  NULL gives VDNA_SELECT_BY_EMD

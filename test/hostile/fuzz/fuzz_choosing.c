@@ -397,6 +397,7 @@ static void check_trust(const machine *m)
     if (vdna_select_state(s) == VDNA_SELECT_NONE_FITS)
         MUST(trust->verdict != VDNA_TRUST_FITS);
     MUST(vdna_select_ranked_by(s) <= VDNA_SELECT_BY_RELATIVE);
+    MUST(vdna_select_is_early(s) <= (vdna_select_state(s) == VDNA_SELECT_WARMUP ? 0u : 1u));
     MUST(vdna_select_previous(s) < m->count && (!vdna_select_is_lost(s) || m->localises));
 }
 
