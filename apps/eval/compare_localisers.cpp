@@ -6,6 +6,7 @@
 
 #include <vdna/cpp/error.hpp>
 
+#include "eval/bayesian_fusion.hpp"
 #include "eval/placing.hpp"
 #include "eval/reference_maps.hpp"
 #include "program/progress.hpp"
@@ -186,9 +187,18 @@ class Run
                              driven.live,
                              experience.identity.dim,
                              evaluation_.tolerance};
-        return judge(by_.map == MapKind::top ? find_in_each(drive, parts, query)
-                                             : by_.find(drive, experience),
-                     driven, experience, evaluation_);
+        return judge(find(drive, experience, parts, map, query), driven, experience, evaluation_);
+    }
+
+    std::vector<Answer> find(const Drive &drive, const vdna_experience &experience,
+                             const std::vector<record::Recording> &parts,
+                             const record::Recording &map, const QueryResult &query) const
+    {
+        if (by_.map == MapKind::top)
+            return find_in_each(drive, parts, query);
+        if (by_.map == MapKind::likelihood)
+            return find_most_likely(drive, parts, map, query);
+        return by_.find(drive, experience);
     }
 
     // A map that keeps of embeddings what a map of all references would.
@@ -204,7 +214,8 @@ class Run
         std::vector<const record::Recording *> borrowed;
         for (const record::Recording &part : parts)
             borrowed.push_back(&part);
-        return by_.map == MapKind::fused || by_.map == MapKind::fused_centred
+        return by_.map == MapKind::fused || by_.map == MapKind::fused_centred ||
+                       by_.map == MapKind::likelihood
                    ? fused(borrowed, dim_, evaluation_.tolerance, evaluation_.with_altitude)
                    : joined(borrowed, dim_);
     }
@@ -236,6 +247,22 @@ class Run
             frames.push_back(part.frames);
         }
         return most_confident(answers, frames);
+    }
+
+    std::vector<Answer> find_most_likely(const Drive &drive,
+                                         const std::vector<record::Recording> &parts,
+                                         const record::Recording &places,
+                                         const QueryResult &query) const
+    {
+        std::vector<record::Recording> kept;
+        for (const record::Recording &part : parts)
+            kept.push_back(record::projected(part, query.projection));
+        std::vector<Reference> references;
+        for (const record::Recording &part : kept)
+            references.push_back(
+                {experience_of(part, query),
+                 frames_at(places, part, evaluation_.tolerance, evaluation_.with_altitude)});
+        return most_likely(drive, references);
     }
 
     const Evaluation &evaluation_;

@@ -24,6 +24,7 @@ const std::vector<Localiser> localisers = {
     {"fused_centred", "Nearest frame about the means of the fused map", MapKind::fused_centred, 0,
      centred},
     {"fused_filter", "Place filter in the fused map", MapKind::fused_centred, 0, filter},
+    {"bayesian", "Place most likely by all references", MapKind::likelihood, 0, nullptr},
     {"all", "Nearest frame of all references", MapKind::all, 0, nearest},
 };
 

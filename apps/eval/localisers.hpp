@@ -39,6 +39,7 @@ enum class MapKind {
     all,           // all references at once, concatenated
     fused,         // all references fused into one, see eval/reference_maps.hpp
     fused_centred, // the same, of embeddings about the mean of their reference
+    likelihood,    // the places of the fused map, with the frames of each reference there
 };
 
 struct Localiser {
@@ -46,7 +47,8 @@ struct Localiser {
     const char *title; // for people
     MapKind map;
     uint32_t top; // number of references for MapKind::top; 0 = all
-    // An answer for each frame of drive.live. map: at least one frame. Throws Error.
+    // An answer for each frame of drive.live. map: at least one frame. Throws Error. NULL for
+    // MapKind::likelihood, which eval/bayesian_fusion.hpp answers.
     std::vector<Answer> (*find)(const Drive &drive, const vdna_experience &map);
 };
 

@@ -10,6 +10,19 @@ namespace vdna::eval
 namespace
 {
 
+// The frame of a part that is nearest to a place and within tolerance of it; part.frames if none
+// is. truth: of the part, in the map that has the place.
+uint32_t frame_at(uint32_t place, const record::Recording &part, const record::Truth &truth,
+                  double tolerance)
+{
+    uint32_t nearest = part.frames;
+    for (uint32_t frame = 0; frame < part.frames; frame++)
+        if (truth.apart(frame, place) <= tolerance && // not if unknown, either
+            (nearest == part.frames || truth.apart(frame, place) < truth.apart(nearest, place)))
+            nearest = frame;
+    return nearest;
+}
+
 // The fused map while its parts come in.
 class Fusion
 {
@@ -44,14 +57,10 @@ class Fusion
     void add_nearest(uint32_t place, const record::Recording &part, const record::Truth &truth,
                      std::vector<bool> &is_far)
     {
-        uint32_t nearest = part.frames;
-        for (uint32_t frame = 0; frame < part.frames; frame++) {
-            if (!(truth.apart(frame, place) <= tolerance_)) // not if unknown, either
-                continue;
-            is_far[frame] = false;
-            if (nearest == part.frames || truth.apart(frame, place) < truth.apart(nearest, place))
-                nearest = frame;
-        }
+        for (uint32_t frame = 0; frame < part.frames; frame++)
+            if (truth.apart(frame, place) <= tolerance_)
+                is_far[frame] = false;
+        const uint32_t nearest = frame_at(place, part, truth, tolerance_);
         if (nearest == part.frames)
             return;
         parts_[place]++;
@@ -145,6 +154,16 @@ record::Recording fused(const std::vector<const record::Recording *> &parts, uin
     for (const record::Recording *part : parts)
         fusion.add(*part);
     return fusion.means();
+}
+
+std::vector<uint32_t> frames_at(const record::Recording &places, const record::Recording &part,
+                                double tolerance, bool with_altitude)
+{
+    const record::Truth truth(part, map_of(places, 0), with_altitude);
+    std::vector<uint32_t> frames;
+    for (uint32_t place = 0; place < places.frames; place++)
+        frames.push_back(frame_at(place, part, truth, tolerance));
+    return frames;
 }
 
 } // namespace vdna::eval

@@ -29,4 +29,9 @@ void give_one_mean(std::vector<record::Recording> &parts, uint32_t dim);
 record::Recording fused(const std::vector<const record::Recording *> &parts, uint32_t dim,
                         double tolerance, bool with_altitude);
 
+// The frame of a part at each place of a fused map: its nearest within tolerance (ties: the lowest
+// index); part.frames where it has not been. with_altitude: as for record::Truth. Throws Error.
+std::vector<uint32_t> frames_at(const record::Recording &places, const record::Recording &part,
+                                double tolerance, bool with_altitude);
+
 } // namespace vdna::eval

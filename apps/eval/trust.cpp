@@ -41,8 +41,8 @@ class Run
     TrustEvaluation run()
     {
         result_.truth = localiser_ == VDNA_TRUST_CENTRED ? "centred" : "nn";
-        localised_ = compare_localisers(evaluation_,
-                                        {result_.truth, "filter", "fused_filter", "filter_all"});
+        localised_ = compare_localisers(
+            evaluation_, {result_.truth, "filter", "fused_filter", "filter_all", "bayesian"});
         for (const Traversal &traversal : *evaluation_.traversals)
             names_.push_back(traversal.name);
         condition_ = conditions_of(names_);
@@ -229,7 +229,7 @@ class Run
     // What a user might pick instead of a choice: all references at once.
     void add_fused()
     {
-        for (const char *key : {"fused_filter", "filter_all"}) {
+        for (const char *key : {"fused_filter", "filter_all", "bayesian"}) {
             QueryMeans regret;
             for (const TrustCase &c : cases_[0]) {
                 double best = 0;

@@ -1,6 +1,7 @@
 #include "record/addition.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "program/exit_code.hpp"
 #include "program/notice.hpp"
@@ -11,6 +12,21 @@ namespace vdna::record
 {
 
 namespace fs = std::filesystem;
+
+namespace
+{
+
+void require_compares(const Experience &there, const vdna_experience &probe)
+{
+    vdna_error error{};
+    if (vdna_experience_compare(there.get(), &probe, &error) != VDNA_OK)
+        throw Error(there.path().string() +
+                    ": does not compare with what is to be built: " + error.text +
+                    "; use the map's backbone, bins and ranges, or rebuild all of its "
+                    "experiences with --force");
+}
+
+} // namespace
 
 void require_name(const std::string &name, const std::string &where)
 {
@@ -25,47 +41,50 @@ fs::path file_of(const fs::path &map, const Draft &draft)
     return map / (draft.name + VDNA_MAP_EXTENSION);
 }
 
-std::vector<Experience> remaining_in(const fs::path &map, const std::vector<Draft> &drafts)
+Remaining remaining_in(const fs::path &map, const std::vector<Draft> &drafts)
 {
-    std::vector<Experience> remaining;
+    Remaining remaining;
     for (const fs::path &file : experience_files(map)) {
         const auto replaced = [&](const Draft &draft) { return file_of(map, draft) == file; };
         if (std::none_of(drafts.begin(), drafts.end(), replaced))
-            remaining.emplace_back(file);
+            remaining.members.push_back({file, header_of(file)});
     }
+    if (!remaining.members.empty())
+        remaining.first.emplace(remaining.members.front().path);
     return remaining;
 }
 
-std::string backbone_of(const std::string &asked, const std::vector<Experience> &remaining)
+std::string backbone_of(const std::string &asked, const Remaining &remaining)
 {
     if (!asked.empty())
         return asked;
-    return remaining.empty() ? VDNA_BACKBONE_DEFAULT : remaining.front()->identity.backbone;
+    return remaining.first ? (*remaining.first)->identity.backbone : VDNA_BACKBONE_DEFAULT;
 }
 
-uint32_t bins_of(uint32_t asked, const std::vector<Experience> &remaining)
+uint32_t bins_of(uint32_t asked, const Remaining &remaining)
 {
     if (asked != 0)
         return asked;
-    return remaining.empty() ? VDNA_HIST_BINS_DEFAULT : remaining.front()->identity.bins;
+    return remaining.first ? (*remaining.first)->identity.bins : VDNA_HIST_BINS_DEFAULT;
 }
 
-void find_ranges(const std::string &file, const std::vector<Experience> &remaining,
-                 const Backbone &backbone, Maker &maker)
+void find_ranges(const std::string &file, const Remaining &remaining, const Backbone &backbone,
+                 Maker &maker)
 {
-    if (file.empty() && remaining.empty())
-        return;
-    Ranges ranges = read_ranges(file.empty() ? remaining.front().path().string() : file);
-    if (!file.empty())
+    if (!file.empty()) {
+        Ranges ranges = read_ranges(file);
         require_backbone(ranges, backbone.info());
-    maker.use(std::move(ranges));
+        maker.use(std::move(ranges));
+    } else if (remaining.first) {
+        maker.use(ranges_of(*remaining.first));
+    }
 }
 
-void find_projection(const std::string &file, const std::vector<Experience> &remaining,
-                     const Backbone &backbone, Maker &maker)
+void find_projection(const std::string &file, const Remaining &remaining, const Backbone &backbone,
+                     Maker &maker)
 {
-    if (!remaining.empty())
-        return maker.keep_as(*remaining.front().get());
+    if (remaining.first)
+        return maker.keep_as(*remaining.first->get());
     if (fs::path(file).extension() != VDNA_MAP_EXTENSION)
         return;
     const Experience there(file);
@@ -74,25 +93,25 @@ void find_projection(const std::string &file, const std::vector<Experience> &rem
         maker.keep_as(*there.get());
 }
 
-void require_comparable(const std::vector<Experience> &remaining, const std::vector<Draft> &drafts,
+void require_comparable(const Remaining &remaining, const std::vector<Draft> &drafts,
                         const Maker &maker)
 {
+    if (remaining.members.empty())
+        return;
     const vdna_experience probe = maker.blank();
-    for (const Experience &there : remaining) {
-        vdna_error error{};
-        if (vdna_experience_compare(there.get(), &probe, &error) != VDNA_OK)
-            throw Error(there.path().string() +
-                        ": does not compare with what is to be built: " + error.text +
-                        "; use the map's backbone, bins and ranges, or rebuild all of its "
-                        "experiences with --force");
+    char comparable[VDNA_SHA256_SIZE] = "";
+    require(vdna_identity_hash(&probe.identity, comparable), "the experiences to be built");
+    for (const Member &there : remaining.members) {
+        if (std::strcmp(there.header.comparable, comparable) != 0)
+            require_compares(Experience(there.path), probe);
         for (const Draft &draft : drafts)
-            if (draft.name == there->name)
-                throw Error(there.path().string() + ": is already called " + draft.name +
+            if (draft.name == there.header.name)
+                throw Error(there.path.string() + ": is already called " + draft.name +
                             "; choose another --name");
     }
 }
 
-void require_one_frame(const std::vector<Experience> &remaining, const std::vector<Draft> &drafts)
+void require_one_frame(const Remaining &remaining, const std::vector<Draft> &drafts)
 {
     std::string frame, where;
     const auto require_same = [&](const std::string &other, const std::string &path) {
@@ -106,8 +125,8 @@ void require_one_frame(const std::vector<Experience> &remaining, const std::vect
                         "; give both lat,lon or both x,y, name their frame with --frame, or leave "
                         "the positions out");
     };
-    for (const Experience &there : remaining)
-        require_same(there->position_frame, there.path().string());
+    for (const Member &there : remaining.members)
+        require_same(there.header.position_frame, there.path.string());
     for (const Draft &draft : drafts)
         require_same(draft.recording.position_frame, draft.source);
 }

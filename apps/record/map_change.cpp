@@ -17,9 +17,14 @@ MapChange::MapChange(const fs::path &map) : map_(map)
 MapChange::~MapChange()
 {
     update_.reset();
-    std::error_code unused;
-    if (made_)
+    if (!made_)
+        return;
+    try {
+        const MapUpdate alone(map_.string()); // or another program is filling the directory
+        std::error_code unused;
         fs::remove(map_, unused);
+    } catch (const Error &) {
+    }
 }
 
 void MapChange::commit()

@@ -5,6 +5,7 @@
 #include <vdna/cpp/trust.hpp>
 
 #include "program/print.hpp"
+#include "record/experiences.hpp"
 #include "record/trust_tables.hpp"
 
 namespace vdna::record
@@ -13,21 +14,18 @@ namespace vdna::record
 namespace
 {
 
-// The experiences that the file knows, if it is made as it is to be.
-std::vector<size_t> known_runs(const std::string &map,
-                               const std::vector<vdna_experience> &experiences,
-                               std::optional<double> &tolerance)
+// What the file knows, if it was made as it is to be made now.
+KnownTables known_tables(const MapTrust &file, const std::vector<uint8_t> &is_known,
+                         uint32_t localiser, std::optional<double> tolerance)
 {
-    std::vector<size_t> known;
-    for (size_t i = 0; i < experiences.size(); i++) {
-        const MapTrust one(map, &experiences[i], 1);
-        if (!one || one->localiser != trust_localiser_of(experiences[i]))
-            continue;
-        if (tolerance.value_or(one->tolerance) != one->tolerance)
-            return {};
-        tolerance = one->tolerance;
-        known.push_back(i);
-    }
+    KnownTables known;
+    if (!file || file->localiser != localiser ||
+        tolerance.value_or(file->tolerance) != file->tolerance)
+        return known;
+    known.tables = file->tables;
+    for (size_t i = 0; i < is_known.size(); i++)
+        if (is_known[i])
+            known.runs.push_back(i);
     return known;
 }
 
@@ -58,24 +56,25 @@ std::string sentence_of(const Trust &trust)
 
 void renew_map_trust(const std::string &map, std::optional<double> tolerance)
 {
+    require_few_for_tables(experience_files(map).size());
     const Map open(map);
     const std::vector<vdna_experience> &experiences = open.experiences();
-    const std::vector<size_t> known = known_runs(map, experiences, tolerance);
-    std::vector<vdna_experience> known_experiences;
-    for (const size_t run : known)
-        known_experiences.push_back(experiences[run]);
-    const MapTrust before(map, known_experiences.data(), known_experiences.size());
+    const uint32_t localiser = trust_localiser_of(experiences.front());
+    std::vector<uint8_t> is_known;
+    const MapTrust before(map, experiences, is_known);
+    const KnownTables known = known_tables(before, is_known, localiser, tolerance);
 
     Members members;
     for (const vdna_experience &experience : experiences)
         members.push_back(&experience);
     vdna_map_trust trust{};
-    trust.tolerance = tolerance.value_or(trust_tolerance_default);
-    const TrustTables tables = make_trust_tables(
-        members, trust.tolerance, distance_of_codes(members), KnownTables{before->tables, known});
+    trust.tolerance =
+        tolerance.value_or(known.runs.empty() ? trust_tolerance_default : before->tolerance);
+    const TrustTables tables =
+        make_trust_tables(members, trust.tolerance, distance_of_codes(members), known);
     trust.tables = tables.view();
     trust.runs = static_cast<uint32_t>(experiences.size());
-    trust.localiser = trust_localiser_of(experiences.front());
+    trust.localiser = localiser;
     vdna_error error{};
     require(vdna_map_trust_write(map.c_str(), experiences.data(), &trust, &error), error);
 }

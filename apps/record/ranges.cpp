@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include <vdna/cpp/error.hpp>
-#include <vdna/cpp/experience.hpp>
 
 #include "program/replaced_file.hpp"
 
@@ -30,14 +29,6 @@ Ranges ranges_of(const std::string &origin, const vdna_identity &identity,
     ranges.identity.bins = ranges.identity.dim = 0;
     ranges.identity.range = nullptr;
     return ranges;
-}
-
-Ranges from_experience(const std::string &path)
-{
-    const Experience file(path);
-    const vdna_identity &identity = file->identity;
-    return ranges_of(path, identity,
-                     {identity.range, identity.range + size_t{2} * identity.neurons});
 }
 
 // Copy a text of a ranges file into a field of fixed size.
@@ -109,10 +100,17 @@ Ranges Calibration::ranges(uint32_t rule) const
     return expanded;
 }
 
+Ranges ranges_of(const Experience &experience)
+{
+    const vdna_identity &identity = experience->identity;
+    return ranges_of(experience.path().string(), identity,
+                     {identity.range, identity.range + size_t{2} * identity.neurons});
+}
+
 Ranges read_ranges(const std::string &path)
 {
     if (std::filesystem::path(path).extension() == VDNA_MAP_EXTENSION)
-        return from_experience(path);
+        return ranges_of(Experience(path));
     std::ifstream stream(path, std::ios::binary);
     if (!stream)
         throw Error(path + ": cannot open, expected a ranges file of `vdna calibrate`");

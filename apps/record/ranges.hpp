@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <vdna/backbone.h>
+#include <vdna/cpp/experience.hpp>
 #include <vdna/range.h>
 
 namespace vdna::record
@@ -37,6 +38,9 @@ class Calibration
   private:
     Ranges observed_;
 };
+
+// The ranges of an experience.
+Ranges ranges_of(const Experience &experience);
 
 // Read a ranges file, or take the ranges of an experience file. Throws Error.
 Ranges read_ranges(const std::string &path);

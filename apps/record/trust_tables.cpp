@@ -233,13 +233,18 @@ WindowDistance distance_of_codes(const Members &experiences)
     };
 }
 
+void require_few_for_tables(size_t experiences)
+{
+    if (experiences > VDNA_TRUST_RUNS_MAX)
+        throw Error("the map has " + std::to_string(experiences) +
+                    " experiences, expected at most " + std::to_string(VDNA_TRUST_RUNS_MAX) +
+                    " for it to know itself; divide it");
+}
+
 TrustTables make_trust_tables(const Members &experiences, double tolerance,
                               const WindowDistance &distance, const KnownTables &known)
 {
-    if (experiences.size() > VDNA_TRUST_RUNS_MAX)
-        throw Error("the map has " + std::to_string(experiences.size()) +
-                    " experiences, expected at most " + std::to_string(VDNA_TRUST_RUNS_MAX) +
-                    " for it to know itself; divide it");
+    require_few_for_tables(experiences.size());
     return TableMaker(experiences, tolerance, distance, known).tables();
 }
 

@@ -41,6 +41,9 @@ struct KnownTables {
     std::vector<size_t> runs = {}; // index, among the experiences, of each run of the tables
 };
 
+// Throw Error if a map has too many experiences for tables of them.
+void require_few_for_tables(size_t experiences);
+
 // Make the tables, but for the cells of two known runs. Correlation times of known runs stay as
 // they are, although there are more candidates now; of fewer than VDNA_TRUST_RUNS_MIN runs nothing
 // is taken, as they have none.

@@ -32,6 +32,7 @@ struct BuildOptions {
     bool join = false;
     bool force = false;
     bool no_thumbnails = false;
+    bool no_trust = false;
     bool json = false;
 };
 
@@ -138,7 +139,7 @@ void build(const BuildOptions &options)
 {
     std::vector<record::Draft> drafts = drafts_of(options);
     record::MapChange change(options.map);
-    const std::vector<Experience> remaining = record::remaining_in(options.map, drafts);
+    const record::Remaining remaining = record::remaining_in(options.map, drafts);
     Backbone backbone(record::backbone_of(options.network.backbone, remaining),
                       options.network.threads);
     record::Maker maker(backbone, options.source, record::bins_of(options.bins, remaining));
@@ -150,7 +151,7 @@ void build(const BuildOptions &options)
     maker.make(drafts, options.range_rule);
     record::require_one_frame(remaining, drafts);
     write(drafts, maker, change);
-    if (remaining.size() + drafts.size() > 1)
+    if (!options.no_trust && remaining.members.size() + drafts.size() > 1)
         record::let_map_know_itself(options.map);
     for (const record::Draft &draft : drafts)
         tell(draft.source, draft.recording.account);
@@ -202,6 +203,7 @@ void add_build(CLI::App &app)
                       "leave out the thumbnails, a JPEG of at most " +
                           std::to_string(VDNA_THUMBNAIL_MAX) +
                           " bytes for each frame: see vdna show");
+    add_no_trust_option(*command, options->no_trust);
     command->add_flag("--force", options->force, "replace existing experiences");
     command->add_flag("--json", options->json, "report as JSON");
     command->footer("All or nothing: after an error or Ctrl-C the map is unchanged. A map of two "

@@ -294,12 +294,14 @@ void add_protocol_options(CLI::App &command, EvalOptions &o)
         ->check(CLI::IsMember(eval::ablation_kinds))
         ->type_name("WHAT");
     command
-        .add_option("--localisers", o.localisers,
-                    "ways to localise to compare: nn (nearest frame, in each reference), centred "
-                    "(the same about the means), filter (place filter, in each), filter_top2, "
-                    "filter_top3, filter_all (the most confident of the filters in the best "
-                    "references), seqslam (sequences of 10 frames, in each), fused (nearest frame "
-                    "in the mean of all references), all (nearest frame of all references)")
+        .add_option(
+            "--localisers", o.localisers,
+            "ways to localise to compare: nn (nearest frame, in each reference), centred "
+            "(the same about the means), filter (place filter, in each), filter_top2, "
+            "filter_top3, filter_all (the most confident of the filters in the best "
+            "references), seqslam (sequences of 10 frames, in each), fused (nearest frame "
+            "in the mean of all references), bayesian (the place that is most likely by all "
+            "references together), all (nearest frame of all references)")
         ->delimiter(',')
         ->check(CLI::IsMember(eval::localiser_keys()))
         ->type_name("NAME")

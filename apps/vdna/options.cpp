@@ -10,6 +10,7 @@
 #include "frames/iso_time.hpp"
 #include "program/decimal.hpp"
 #include "program/exit_code.hpp"
+#include "record/map_trust.hpp"
 #include "record/ranges.hpp"
 
 namespace vdna::tool
@@ -194,6 +195,14 @@ void add_range_rule_option(CLI::App &command, uint32_t &rule)
         ->transform(CLI::CheckedTransformer(rules).description("{midpoint,zero}"))
         ->type_name("RULE")
         ->default_str(record::range_rules[rule]);
+}
+
+void add_no_trust_option(CLI::App &command, bool &no_trust)
+{
+    command.add_flag("--no-trust", no_trust,
+                     "do not renew MAP/" VDNA_MAP_TRUST_FILE
+                     ", for which each new experience plays every other one: the map predicts no "
+                     "recall until `vdna calibrate --trust MAP`");
 }
 
 PictureSize parse_size(const std::string &text, uint32_t least, uint32_t most,

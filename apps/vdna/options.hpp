@@ -54,6 +54,9 @@ void add_altitude_option(CLI::App &command, bool &with_altitude);
 // --range-rule; rule: VDNA_RANGE_ABOUT_...
 void add_range_rule_option(CLI::App &command, uint32_t &rule);
 
+// --no-trust
+void add_no_trust_option(CLI::App &command, bool &no_trust);
+
 // The size of a picture, in pixels.
 struct PictureSize {
     uint32_t width, height;

@@ -40,6 +40,7 @@ struct RecordOptions {
     record::LiveLimits limits;
     std::string ranges;
     bool no_thumbnails = false;
+    bool no_trust = false;
     bool force = false;
     bool reload = false;
     bool json = false;
@@ -91,9 +92,9 @@ void check_start(const RecordOptions &options, const record::Draft &draft)
                     options.map + " SOURCE`, or set --ranges");
 }
 
-void require_ranges(const RecordOptions &options, const std::vector<Experience> &remaining)
+void require_ranges(const RecordOptions &options, const record::Remaining &remaining)
 {
-    if (remaining.empty() && options.ranges.empty())
+    if (!remaining.first && options.ranges.empty())
         throw Error(options.map +
                     ": no other experience in this map whose ranges could be used; "
                     "begin it with `vdna build " +
@@ -123,11 +124,11 @@ void yield_to_others()
     setpriority(PRIO_PROCESS, 0, nice); // fails only for who is nicer already
 }
 
-std::string position_frame_of(const std::vector<Experience> &remaining)
+std::string position_frame_of(const record::Remaining &remaining)
 {
-    for (const Experience &there : remaining)
-        if (there->position_frame[0] != '\0')
-            return there->position_frame;
+    for (const record::Member &there : remaining.members)
+        if (there.header.position_frame[0] != '\0')
+            return there.header.position_frame;
     return "";
 }
 
@@ -276,7 +277,7 @@ void record_drive(const RecordOptions &options)
     check_start(options, draft);
     std::optional<record::MapChange> change(options.map);
     require_writable(options.map);
-    const std::vector<Experience> remaining = record::remaining_in(options.map, drafts);
+    const record::Remaining remaining = record::remaining_in(options.map, drafts);
     require_ranges(options, remaining);
 
     // What receives keeps its priority, or frames would be lost; all threads after it yield to the
@@ -307,7 +308,7 @@ void record_drive(const RecordOptions &options)
     maker.end(draft);
 
     write(options, draft, maker, change);
-    if (!remaining.empty())
+    if (remaining.first && !options.no_trust)
         record::let_map_know_itself(options.map);
     if (options.reload)
         report.reload = reload(options);
@@ -370,6 +371,7 @@ void add_record(CLI::App &app)
                      "ranges); needed to begin a map")
         ->type_name("FILE");
     command->add_flag("--no-thumbnails", options->no_thumbnails, "leave out the thumbnails");
+    add_no_trust_option(*command, options->no_trust);
     command->add_flag("--force", options->force, "replace an existing experience");
     command->add_flag("--reload", options->reload,
                       "then tell vdna_selectord to open the map again, and print its answer");

@@ -8,6 +8,7 @@
 
 #include "growth.h"
 #include "journal.h"
+#include "members.h"
 #include "open.h"
 #include "replace/replace.h"
 
@@ -44,14 +45,6 @@ typedef struct request {
     uint32_t open; /* experiences that are */
     DIR *stream;
 } request;
-
-/* Hidden files are left out: tools that copy put their own beside, as "._winter.vdna". */
-static int is_experience(const char *name)
-{
-    const size_t length = strlen(name), ending = strlen(VDNA_MAP_EXTENSION);
-    return length > ending && name[0] != '.' &&
-           strcmp(name + length - ending, VDNA_MAP_EXTENSION) == 0;
-}
 
 /* By bytes: strcoll() would depend on the locale. */
 static int by_name(const void *a, const void *b)
@@ -100,7 +93,7 @@ static vdna_status read_names(const request *wanted, vdna_error *error, listing 
         const struct dirent *entry = readdir(wanted->stream);
         if (!entry)
             return errno == 0 ? VDNA_OK : refused(wanted->path, error);
-        if (is_experience(entry->d_name) && !append(list, entry->d_name))
+        if (vdna_members_have(entry->d_name) && !append(list, entry->d_name))
             return no_memory(wanted->path, error);
     }
 }

@@ -75,24 +75,46 @@ static void copy_tables(const vdna_map_trust_file *file, uint32_t runs, const ru
         to->frames[a] = from->frames[to->frames[a]];
 }
 
+/* Find the members that experiences are.
+ * @param out_members  [count], of which *out_found are filled
+ * @param out_known  [count], whether each is a member; NULL = each has to be one */
+static vdna_status find_members(const vdna_map_trust_file *file, const vdna_experience *experiences,
+                                uint32_t count, vdna_error *reason, uint32_t *out_members,
+                                uint8_t *out_known, uint32_t *out_found)
+{
+    vdna_status status = VDNA_OK;
+    *out_found = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        status = find_member(file, &experiences[i], reason, &out_members[*out_found]);
+        const int is_known = status == VDNA_OK;
+        if (out_known)
+            out_known[i] = (uint8_t)is_known;
+        else if (!is_known)
+            return status;
+        *out_found += (uint32_t)is_known;
+    }
+    return *out_found > 0 ? VDNA_OK : status;
+}
+
 static vdna_status take_tables(const vdna_map_trust_file *file, const vdna_experience *experiences,
-                               uint32_t count, vdna_error *reason, vdna_map_trust *out)
+                               uint32_t count, vdna_error *reason, uint8_t *out_known,
+                               vdna_map_trust *out)
 {
     run_tables to;
     if (!allocate_tables(count, &to))
         return vdna_fail(reason, VDNA_ERR_NOMEM,
                          "no memory left for the tables of %" PRIu32 " experiences", count);
-    for (uint32_t i = 0; i < count; i++) {
-        const vdna_status status = find_member(file, &experiences[i], reason, &to.frames[i]);
-        if (status != VDNA_OK) {
-            free(to.cells);
-            return status;
-        }
+    uint32_t found = 0;
+    const vdna_status status =
+        find_members(file, experiences, count, reason, to.frames, out_known, &found);
+    if (status != VDNA_OK) {
+        free(to.cells);
+        return status;
     }
-    copy_tables(file, count, &to);
+    copy_tables(file, found, &to);
     out->tables = (vdna_trust_tables){to.frames, to.own_scale, to.correlation, to.cells};
     out->tolerance = *file->tolerance;
-    out->runs = count;
+    out->runs = found;
     out->localiser = file->localiser;
     out->memory = to.cells;
     return VDNA_OK;
@@ -111,12 +133,13 @@ static vdna_status open_bytes_of(const char *directory, vdna_error *error,
                          "%s: there is no such file, so the map knows nothing about itself; make "
                          "it with `vdna calibrate --trust %s`",
                          path, directory);
-    return vdna_open_bytes(descriptor, 1, path, error, out_file);
+    return vdna_open_bytes(descriptor, VDNA_OPEN_COPIED, path, error, out_file);
 }
 
-/* see vdna/map_trust.h */
-vdna_status vdna_map_trust_open(const char *directory, const vdna_experience *experiences,
-                                uint32_t count, vdna_error *error, vdna_map_trust *out_trust)
+/* @param out_known  as for find_members() */
+static vdna_status open_trust(const char *directory, const vdna_experience *experiences,
+                              uint32_t count, vdna_error *error, uint8_t *out_known,
+                              vdna_map_trust *out_trust)
 {
     if (!directory || !experiences || count == 0 || count > VDNA_TRUST_RUNS_MAX || !out_trust)
         return vdna_fail(error, VDNA_ERR_ARG,
@@ -131,9 +154,27 @@ vdna_status vdna_map_trust_open(const char *directory, const vdna_experience *ex
     vdna_map_trust_file file;
     status = vdna_map_trust_read(bytes.bytes, bytes.size, &reason, &file);
     if (status == VDNA_OK)
-        status = take_tables(&file, experiences, count, &reason, out_trust);
+        status = take_tables(&file, experiences, count, &reason, out_known, out_trust);
     vdna_close_bytes(&bytes);
     return status == VDNA_OK ? status : useless(directory, status, &reason, error);
+}
+
+/* see vdna/map_trust.h */
+vdna_status vdna_map_trust_open(const char *directory, const vdna_experience *experiences,
+                                uint32_t count, vdna_error *error, vdna_map_trust *out_trust)
+{
+    return open_trust(directory, experiences, count, error, NULL, out_trust);
+}
+
+/* see vdna/map_trust.h */
+vdna_status vdna_map_trust_open_known(const char *directory, const vdna_experience *experiences,
+                                      uint32_t count, vdna_error *error, uint8_t *out_known,
+                                      vdna_map_trust *out_trust)
+{
+    if (!out_known)
+        return vdna_fail(error, VDNA_ERR_ARG,
+                         "what a map knows about itself: no place for which experiences it knows");
+    return open_trust(directory, experiences, count, error, out_known, out_trust);
 }
 
 /* see vdna/map_trust.h */

@@ -29,15 +29,14 @@ static vdna_status size_of(int descriptor, const char *path, vdna_error *error, 
     return VDNA_OK;
 }
 
-static vdna_status map_file(int descriptor, const char *path, vdna_error *error,
+static vdna_status map_file(int descriptor, int advice, const char *path, vdna_error *error,
                             vdna_file_bytes *file)
 {
     /* NOLINTNEXTLINE(clang-analyzer-unix.StdCLibraryFunctions): the size is not 0 */
     file->bytes = mmap(NULL, file->size, PROT_READ, MAP_PRIVATE, descriptor, 0);
     if (file->bytes == MAP_FAILED)
         return refused(path, "map into memory", error);
-    /* Every byte is about to be read, in order; only advice, so its result does not matter. */
-    posix_madvise(file->bytes, file->size, POSIX_MADV_WILLNEED);
+    posix_madvise(file->bytes, file->size, advice); /* only advice: its result does not matter */
     return VDNA_OK;
 }
 
@@ -72,24 +71,27 @@ static vdna_status copy_file(int descriptor, const char *path, vdna_error *error
     return status;
 }
 
-static vdna_status take_bytes(int descriptor, int copy, const char *path, vdna_error *error,
-                              vdna_file_bytes *file)
+static vdna_status take_bytes(int descriptor, vdna_open_how how, const char *path,
+                              vdna_error *error, vdna_file_bytes *file)
 {
     *file = (vdna_file_bytes){NULL, 0};
     const vdna_status status = size_of(descriptor, path, error, &file->size);
     if (status != VDNA_OK || file->size == 0)
         return status;
-    return copy ? copy_file(descriptor, path, error, file)
-                : map_file(descriptor, path, error, file);
+    if (how == VDNA_OPEN_COPIED)
+        return copy_file(descriptor, path, error, file);
+    /* Without advice, the system would read far ahead of a header. */
+    const int advice = how == VDNA_OPEN_MAPPED ? POSIX_MADV_WILLNEED : POSIX_MADV_RANDOM;
+    return map_file(descriptor, advice, path, error, file);
 }
 
 /* see open.h */
-vdna_status vdna_open_bytes(int descriptor, int copy, const char *path, vdna_error *error,
+vdna_status vdna_open_bytes(int descriptor, vdna_open_how how, const char *path, vdna_error *error,
                             vdna_file_bytes *out_file)
 {
     if (descriptor < 0)
         return refused(path, "open", error);
-    const vdna_status status = take_bytes(descriptor, copy, path, error, out_file);
+    const vdna_status status = take_bytes(descriptor, how, path, error, out_file);
     close(descriptor);
     return status;
 }
@@ -138,7 +140,8 @@ vdna_status vdna_open_descriptor(int descriptor, const vdna_map_config *how, con
                                  vdna_error *error, vdna_experience *out_experience)
 {
     vdna_file_bytes file = {NULL, 0};
-    vdna_status status = vdna_open_bytes(descriptor, (int)how->copy, path, error, &file);
+    const vdna_open_how hold = how->copy ? VDNA_OPEN_COPIED : VDNA_OPEN_MAPPED;
+    vdna_status status = vdna_open_bytes(descriptor, hold, path, error, &file);
     if (status != VDNA_OK)
         return status;
 
@@ -153,6 +156,32 @@ vdna_status vdna_open_descriptor(int descriptor, const vdna_map_config *how, con
     if (how->no_thumbnails)
         give_back_thumbnails(out_experience);
     return VDNA_OK;
+}
+
+/* see open.h */
+vdna_status vdna_open_header(int descriptor, const char *path, vdna_error *error,
+                             vdna_experience *out_experience)
+{
+    vdna_file_bytes file = {NULL, 0};
+    vdna_status status = vdna_open_bytes(descriptor, VDNA_OPEN_MAPPED_HEADER, path, error, &file);
+    if (status != VDNA_OK)
+        return status;
+    vdna_error reason;
+    status = vdna_read_header(file.bytes, file.size, &reason, out_experience);
+    vdna_close_bytes(&file);
+    if (status != VDNA_OK)
+        return vdna_fail(error, status, "%s: %s; %s", path, reason.text, vdna_read_remedy(status));
+    return VDNA_OK;
+}
+
+/* see vdna/map.h */
+vdna_status vdna_experience_read_header(const char *path, vdna_error *error,
+                                        vdna_experience *out_experience)
+{
+    if (!path || !out_experience)
+        return vdna_fail(error, VDNA_ERR_ARG,
+                         "header of an experience to read: no path or no place for it");
+    return vdna_open_header(open(path, VDNA_OPEN_FLAGS), path, error, out_experience);
 }
 
 /* see vdna/map.h */

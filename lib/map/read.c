@@ -127,10 +127,8 @@ static vdna_status find_fields(const unsigned char *bytes, const vdna_header *he
     return vdna_tensors_find(bytes, header, fields, VDNA_FIELD_COUNT, reason);
 }
 
-static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *header,
-                                vdna_error *reason, vdna_experience *e)
+static vdna_status read_all_sizes(const vdna_header *header, vdna_error *reason, vdna_experience *e)
 {
-    vdna_field fields[VDNA_FIELD_COUNT];
     vdna_status status =
         read_sizes(header, "counts", reason, &e->identity.bins, &e->identity.neurons);
     if (status == VDNA_OK)
@@ -139,8 +137,14 @@ static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *h
         status = read_last_layer_size(header, reason, e);
     if (status == VDNA_OK)
         status = read_raw_dim(header, reason, e);
-    if (status == VDNA_OK)
-        status = read_thumbnail_bytes(header, reason, e);
+    return status == VDNA_OK ? read_thumbnail_bytes(header, reason, e) : status;
+}
+
+static vdna_status read_tensors(const unsigned char *bytes, const vdna_header *header,
+                                vdna_error *reason, vdna_experience *e)
+{
+    vdna_field fields[VDNA_FIELD_COUNT];
+    vdna_status status = read_all_sizes(header, reason, e);
     if (status == VDNA_OK)
         status = find_fields(bytes, header, e, reason, fields);
     if (status != VDNA_OK)
@@ -229,13 +233,36 @@ void vdna_read_free(const vdna_experience *experience)
         free((void *)experience->embeddings);
 }
 
+static const vdna_format experience_format = {VDNA_EXPERIENCE_FORMAT, VDNA_MAP_FORMAT};
+
+/* see read.h */
+vdna_status vdna_read_header(const unsigned char *bytes, size_t size, vdna_error *reason,
+                             vdna_experience *out_experience)
+{
+    vdna_header header;
+    vdna_experience e = {.file_bytes = NULL};
+    vdna_status status = vdna_tensors_header(bytes, size, &experience_format, reason, &header);
+    if (status == VDNA_OK)
+        status = read_texts(&header, reason, &e);
+    if (status == VDNA_OK)
+        status = read_all_sizes(&header, reason, &e);
+    if (status != VDNA_OK)
+        return status;
+    if (!vdna_header_tensor(&header, "frame_position"))
+        e.position_frame[0] = '\0';
+    if (vdna_rules_check_header(&e, reason) != VDNA_OK)
+        return VDNA_ERR_FORMAT;
+    *out_experience = e;
+    return VDNA_OK;
+}
+
 vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_read_how how,
                       vdna_error *reason, vdna_experience *out_experience)
 {
-    static const vdna_format format = {VDNA_EXPERIENCE_FORMAT, VDNA_MAP_FORMAT};
     vdna_header header;
     vdna_experience e = {.file_bytes = NULL};
-    vdna_status status = vdna_tensors_read(bytes, size, &format, reason, &header, &e.checksum);
+    vdna_status status =
+        vdna_tensors_read(bytes, size, &experience_format, reason, &header, &e.checksum);
     if (status == VDNA_OK)
         status = read_texts(&header, reason, &e);
     if (status == VDNA_OK)

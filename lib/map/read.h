@@ -18,6 +18,14 @@ typedef enum vdna_read_how {
 vdna_status vdna_read(const unsigned char *bytes, size_t size, vdna_read_how how,
                       vdna_error *reason, vdna_experience *out_experience);
 
+/* Read what the header of a file says, the texts and the sizes, and check it by itself. No tensor
+ * is read and no pointer set.
+ * @param size  of the whole file
+ * @param reason  filled on failure, without the name of the file
+ * @return VDNA_OK; VDNA_ERR_FORMAT; VDNA_ERR_UNSUPPORTED */
+vdna_status vdna_read_header(const unsigned char *bytes, size_t size, vdna_error *reason,
+                             vdna_experience *out_experience);
+
 /* What to do about a file that vdna_read() refused, for the end of an error. */
 const char *vdna_read_remedy(vdna_status status);
 

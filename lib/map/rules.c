@@ -245,13 +245,23 @@ static vdna_status check_thumbnails(const vdna_experience *e, vdna_error *reason
     return VDNA_OK;
 }
 
-static vdna_status check_position_frame(const vdna_experience *e, vdna_error *reason)
+static vdna_status check_frame(const char *frame, vdna_error *reason)
 {
     vdna_error why;
-    const char *const frame = vdna_position_frame_of(e);
-    if (e->frame_position && vdna_name_check(frame, &why) != VDNA_OK)
+    if (vdna_name_check(frame, &why) != VDNA_OK)
         return vdna_fail(reason, VDNA_ERR_ARG, "position_frame %s", why.text);
     return VDNA_OK;
+}
+
+static vdna_status check_position_frame(const vdna_experience *e, vdna_error *reason)
+{
+    return e->frame_position ? check_frame(vdna_position_frame_of(e), reason) : VDNA_OK;
+}
+
+/* As a header states it, "" = not. */
+static vdna_status check_frame_name(const vdna_experience *e, vdna_error *reason)
+{
+    return e->position_frame[0] != '\0' ? check_frame(e->position_frame, reason) : VDNA_OK;
 }
 
 /* Check one position, which is there. */
@@ -288,16 +298,36 @@ static vdna_status check_positions(const vdna_experience *e, vdna_error *reason)
     return VDNA_OK;
 }
 
-vdna_status vdna_rules_check(const vdna_experience *experience, vdna_error *reason)
+/* A rule. */
+typedef vdna_status (*rule)(const vdna_experience *e, vdna_error *reason);
+
+static vdna_status check_rules(const rule *rules, size_t count, const vdna_experience *e,
+                               vdna_error *reason)
 {
-    static vdna_status (*const checks[])(const vdna_experience *, vdna_error *) = {
-        check_name,           check_codes,     check_shape,   check_identity,
-        check_mass,           check_counts,    check_numbers, check_order,
-        check_position_frame, check_positions, check_source,  check_thumbnails};
-    for (size_t c = 0; c < sizeof checks / sizeof *checks; c++) {
-        const vdna_status status = checks[c](experience, reason);
+    for (size_t r = 0; r < count; r++) {
+        const vdna_status status = rules[r](e, reason);
         if (status != VDNA_OK)
             return status;
     }
     return VDNA_OK;
+}
+
+/* see rules.h */
+vdna_status vdna_rules_check(const vdna_experience *experience, vdna_error *reason)
+{
+    static const rule rules[] = {check_name,      check_codes,  check_shape,
+                                 check_identity,  check_mass,   check_counts,
+                                 check_numbers,   check_order,  check_position_frame,
+                                 check_positions, check_source, check_thumbnails};
+    return check_rules(rules, sizeof rules / sizeof *rules, experience, reason);
+}
+
+/* see rules.h */
+vdna_status vdna_rules_check_header(const vdna_experience *header, vdna_error *reason)
+{
+    static const rule rules[] = {check_name, check_identity, check_order, check_source,
+                                 check_frame_name};
+    vdna_experience texts = *header;
+    texts.identity.raw_dim = 0; /* of a projection, which is a tensor */
+    return check_rules(rules, sizeof rules / sizeof *rules, &texts, reason);
 }

@@ -11,4 +11,9 @@
  *         each other */
 vdna_status vdna_rules_check(const vdna_experience *experience, vdna_error *reason);
 
+/* Check what a header says by itself: the texts except `comparable`, and the sizes that they must
+ * fit.
+ * @param reason, @return  as above */
+vdna_status vdna_rules_check_header(const vdna_experience *header, vdna_error *reason);
+
 #endif

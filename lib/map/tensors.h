@@ -40,10 +40,17 @@ uint64_t vdna_field_elements(const vdna_field *field);
 /* Whether a file's numbers can be used in place: this machine is little-endian. */
 int vdna_tensors_fit_host(void);
 
-/* Read the header of a whole file, and check its format, its version and its checksum.
+/* Read the header of a file, and check its format and its version. Only the header's bytes are
+ * read.
+ * @param size  of the whole file
  * @param reason  filled on failure, without the name of the file
- * @return VDNA_OK; VDNA_ERR_FORMAT; VDNA_ERR_CHECKSUM; VDNA_ERR_UNSUPPORTED for a newer version or
- *         a big-endian machine */
+ * @return VDNA_OK; VDNA_ERR_FORMAT; VDNA_ERR_UNSUPPORTED for a newer version or a big-endian
+ *         machine */
+vdna_status vdna_tensors_header(const unsigned char *bytes, size_t size, const vdna_format *format,
+                                vdna_error *reason, vdna_header *out_header);
+
+/* The same, and check the checksum of the whole file.
+ * @return what vdna_tensors_header() returns; VDNA_ERR_CHECKSUM */
 vdna_status vdna_tensors_read(const unsigned char *bytes, size_t size, const vdna_format *format,
                               vdna_error *reason, vdna_header *out_header, uint32_t *out_checksum);
 

@@ -119,15 +119,20 @@ static vdna_status check_checksum(const unsigned char *bytes, size_t size,
     return VDNA_OK;
 }
 
-vdna_status vdna_tensors_read(const unsigned char *bytes, size_t size, const vdna_format *format,
-                              vdna_error *reason, vdna_header *out_header, uint32_t *out_checksum)
+vdna_status vdna_tensors_header(const unsigned char *bytes, size_t size, const vdna_format *format,
+                                vdna_error *reason, vdna_header *out_header)
 {
     if (!vdna_tensors_fit_host())
         return vdna_fail(reason, VDNA_ERR_UNSUPPORTED,
                          "files of a map are read in place, which needs a little-endian machine");
-    vdna_status status = vdna_header_read(bytes, size, reason, out_header);
-    if (status == VDNA_OK)
-        status = check_version(out_header, format, reason);
+    const vdna_status status = vdna_header_read(bytes, size, reason, out_header);
+    return status == VDNA_OK ? check_version(out_header, format, reason) : status;
+}
+
+vdna_status vdna_tensors_read(const unsigned char *bytes, size_t size, const vdna_format *format,
+                              vdna_error *reason, vdna_header *out_header, uint32_t *out_checksum)
+{
+    vdna_status status = vdna_tensors_header(bytes, size, format, reason, out_header);
     if (status == VDNA_OK)
         status = check_checksum(bytes, size, out_header, reason, out_checksum);
     return status;

@@ -11,10 +11,12 @@
 #include <vdna/map_trust.h>
 
 #include "journal.h"
+#include "members.h"
 #include "write.h"
 
 struct vdna_map_update {
-    int directory; /* locked by flock(), which ends with the process */
+    DIR *listing;
+    int directory; /* its descriptor, locked by flock(), which ends with the process */
     int is_final;  /* committed, even if not all new files have their names yet */
     char path[VDNA_REPLACE_PATH_SIZE];
     vdna_journal added; /* whose new files are staged; sorted when they are committed */
@@ -49,13 +51,10 @@ static int is_leaving(const char *name)
 /* Remove what writers left that are gone. Best effort: nothing reads such files. */
 static void remove_leavings(const vdna_map_update *update)
 {
-    DIR *listing = opendir(update->path);
-    if (!listing)
-        return;
-    for (const struct dirent *entry = readdir(listing); entry; entry = readdir(listing))
+    const struct dirent *entry;
+    while ((entry = readdir(update->listing)))
         if (is_leaving(entry->d_name))
             vdna_replace_remove_orphan(update->directory, entry->d_name);
-    closedir(listing);
 }
 
 /* Finish an update that was interrupted after becoming final, and remove other leftovers. */
@@ -81,10 +80,11 @@ static vdna_status open_directory(vdna_map_update *update, const char *directory
 {
     if ((size_t)snprintf(update->path, sizeof update->path, "%s", directory) >= sizeof update->path)
         return vdna_fail(error, VDNA_ERR_IO, "%.100s...: the path is too long", directory);
-    update->directory = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (update->directory < 0)
+    update->listing = opendir(directory);
+    if (!update->listing)
         return vdna_fail(error, VDNA_ERR_IO, "%s: cannot open this map directory: %s", directory,
                          strerror(errno));
+    update->directory = dirfd(update->listing);
     const vdna_status status = lock(update, error);
     return status == VDNA_OK ? recover(update, error) : status;
 }
@@ -98,7 +98,6 @@ vdna_status vdna_map_update_open(const char *directory, vdna_error *error,
     vdna_map_update *update = calloc(1, sizeof *update);
     if (!update)
         return vdna_fail(error, VDNA_ERR_NOMEM, "%s: no memory left", directory);
-    update->directory = -1;
     const vdna_status status = open_directory(update, directory, error);
     if (status == VDNA_OK)
         *out_update = update;
@@ -227,6 +226,8 @@ vdna_status vdna_map_update_commit(vdna_map_update *update, vdna_error *error)
         return status;
     status = check_places(update, error);
     if (status == VDNA_OK)
+        status = vdna_members_check(update->listing, update->path, &update->added, error);
+    if (status == VDNA_OK)
         status = make_final(update, error);
     if (status == VDNA_OK)
         status = vdna_journal_finish(update->directory, update->path, &update->added, error);
@@ -252,7 +253,7 @@ void vdna_map_update_close(vdna_map_update *update)
     if (!update->is_final)
         discard(update);
     vdna_journal_free(&update->added);
-    if (update->directory >= 0)
-        close(update->directory);
+    if (update->listing)
+        closedir(update->listing);
     free(update);
 }

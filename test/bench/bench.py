@@ -15,9 +15,9 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 GROUPS = {"core": "group_core", "localise": "group_localise", "frame": "group_frame",
-          "files": "group_files", "growth": "group_growth", "sizes": "group_sizes", "arm": "group_arm",
-          "footprint": "group_footprint", "start": "group_start", "drive": "group_drive",
-          "stages": "group_stages"}
+          "files": "group_files", "add": "group_add", "growth": "group_growth",
+          "sizes": "group_sizes", "arm": "group_arm", "footprint": "group_footprint",
+          "start": "group_start", "drive": "group_drive", "stages": "group_stages"}
 FORMAT = 1  # of the JSON file
 sys.dont_write_bytecode = True
 

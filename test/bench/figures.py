@@ -100,6 +100,7 @@ FIGURES = [
           ("relative error", further("error"), "<=", 1e-12, ""))],
     ("files", "load experience of 768 neurons, 1150 frames", "load", median, "<=", 1, "ms"),
     ("files", "save experience of 768 neurons, 1150 frames", "save", median, "<=", 30, "ms"),
+    ("add", "add to a map of 600", "against a map of 2", speedup("a map of 2"), ">=", 0.83, "x"),
     *[("drive", f"drive {name} fp32", "memory beyond ONNX Runtime and the map",
        beyond_bare_memory, "<=", 64, "MiB") for name in ("cosplace_224", "mugs_vitb16")],
     ("drive", "drive cosplace_224 int8", "memory", further("memory_mib"), "<=", 256, "MiB"),

@@ -154,7 +154,7 @@ class Bench(unittest.TestCase):
 
     @unittest.skipUnless(HAS_DAEMON, "the daemon is not built")
     def test_a_drive_past_the_real_daemon_ends_in_a_ranking(self):
-        stored = self.measured("frame", "footprint", "start", "drive", "stages")
+        stored = self.measured("add", "frame", "footprint", "start", "drive", "stages")
         for group in stored["groups"].values():
             self.check_group(group)
         results = {result["name"]: result for result in stored["groups"]["drive"]["results"]}

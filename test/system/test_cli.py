@@ -169,6 +169,26 @@ class Build(Scratch):
         self.assertEqual(b.bins, 64)
         self.assertEqual(self.vdna_json("info", "map")["mismatches"], [])
 
+    def test_an_addition_reads_no_experience_but_one(self):
+        for i, name in enumerate("abc"):
+            self.pictures(name, range(10 * i, 10 * i + 4))
+        self.vdna("build", "map", "a", "b", "--no-trust")
+        path = self.folder / "map/b.vdna"
+        whole = path.read_bytes()
+        path.write_bytes(whole[:-8] + b"\xff" * 8)  # its numbers, not its header
+        self.vdna("build", "map", "c", "--no-trust")
+        self.assertIn("b.vdna: the bytes have CRC-32C",
+                      self.refused("rank", "c", "map", "--warmup", 2))
+        path.write_bytes(whole)
+        self.assertEqual(self.vdna_json("info", "map")["mismatches"], [])
+
+    def test_an_experience_of_a_name_that_another_file_has_is_refused(self):
+        self.pictures("a", range(2))
+        self.pictures("b", range(2))
+        self.vdna("build", "map", "a", "b")
+        (self.folder / "map/b.vdna").rename(self.folder / "map/c.vdna")
+        self.assertIn("c.vdna: is already called b", self.refused("build", "map", "b"))
+
     def test_other_bins_than_the_map_has_are_refused_before_the_work(self):
         self.pictures("a", range(2))
         self.pictures("b", range(2))

@@ -48,6 +48,32 @@ class MapTrust(Scratch):
         self.assertTrue(math.isfinite(known["skill"]))
         self.assertIn("predicted recall from 3 labelled of 3 experiences", known["trust"])
 
+    def test_it_can_be_left_for_later(self):
+        for i, name in enumerate("abcd"):
+            self.drive(name, seed=i)
+        self.build("a", "b", "c", options=["--no-trust"])
+        self.assertEqual(self.map_files(), ["a.vdna", "b.vdna", "c.vdna"])
+        self.vdna("calibrate", "--trust", "map")
+        before = (self.folder / "map" / FILE).read_bytes()
+        self.build("d", options=["--no-trust"])
+        self.assertEqual((self.folder / "map" / FILE).read_bytes(), before)
+        self.assertIn("does not know experience d; make it again with `vdna calibrate --trust map`",
+                      self.self_knowledge()["trust"])
+        self.vdna("calibrate", "--trust", "map")
+        self.assertEqual(self.self_knowledge()["labelled"], 4)
+        later = (self.folder / "map" / FILE).read_bytes()
+        (self.folder / "map/d.vdna").unlink()
+        (self.folder / "map" / FILE).write_bytes(before)
+        self.build("d")  # the same as at once
+        self.assertEqual((self.folder / "map" / FILE).read_bytes(), later)
+
+    def test_too_many_experiences_are_refused_before_they_are_opened(self):
+        (self.folder / "map").mkdir()
+        for i in range(4097):
+            (self.folder / f"map/{i}.vdna").touch()
+        self.assertIn("the map has 4097 experiences, expected at most 4096",
+                      self.refused("calibrate", "--trust", "map"))
+
     def test_one_more_keeps_the_tolerance_of_the_file(self):
         for i, name in enumerate("abcd"):
             self.drive(name, seed=i)

@@ -157,6 +157,11 @@ class Equality(Records):
         self.assertTrue(0 < report["frames_labelled"] <= FRAMES)
         self.assertLess(report["route_m"], 100)
 
+    def test_the_maps_own_file_can_be_left_for_later(self):
+        folder = self.map_of(LABELLED)
+        vdna("record", folder, "live", "-l", f"file://{LOGS['POSE']}?speed=0", "--no-trust")
+        self.assertEqual(sorted(os.listdir(folder)), ["live.vdna", "summer.vdna"])
+
     def test_the_maps_own_file_knows_the_new_experience(self):
         folder = self.map_of(LABELLED)
         vdna("record", folder, "live", "-l", f"file://{LOGS['POSE']}?speed=0")

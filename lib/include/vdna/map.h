@@ -104,6 +104,20 @@ typedef struct vdna_experience {
 VDNA_API vdna_status vdna_experience_open(const char *path, vdna_error *error,
                                           vdna_experience *out_experience);
 
+/** Read what the header of an experience file says, and check its names and texts, but not its
+ *  checksum or any tensor: enough to list a map, or to tell by `comparable` what compares with it.
+ *  The call takes up to 128 KiB of stack.
+ *  @param path  as for vdna_experience_open()
+ *  @param error  filled on failure; NULL = not wanted
+ *  @param out_experience  its texts and sizes; every pointer is NULL and `checksum` 0. `comparable`
+ *                         is as the file has it; `position_frame` is "" also if there are positions
+ *                         and the file does not state their frame. It holds nothing, so
+ *                         vdna_experience_close() only zeroes it, and need not be called
+ *  @return VDNA_OK; VDNA_ERR_ARG; VDNA_ERR_IO; VDNA_ERR_FORMAT; VDNA_ERR_UNSUPPORTED for a newer
+ *          format version or a big-endian machine */
+VDNA_API vdna_status vdna_experience_read_header(const char *path, vdna_error *error,
+                                                 vdna_experience *out_experience);
+
 /** Open the bytes of an experience file where they are, in flash for instance: check every byte as
  *  vdna_experience_open() does, point into them. Nothing is copied and nothing allocated;
  *  the call takes up to 128 KiB of stack, for the header of the file.
@@ -273,7 +287,9 @@ VDNA_API vdna_status vdna_map_update_add(vdna_map_update *update, const vdna_exp
  *                 otherwise the update is over, and only to be closed
  *  @param error  filled on failure: says whether the map is unchanged, or the update is final and
  *                the next one finishes it; NULL = not wanted
- *  @return VDNA_OK; VDNA_ERR_ARG, also if one name was added twice; VDNA_ERR_NOMEM; VDNA_ERR_IO */
+ *  @return VDNA_OK; VDNA_ERR_ARG, also if one name was added twice; VDNA_ERR_MISMATCH if what was
+ *          added does not compare with itself or with an experience that stays in the map, or has
+ *          the name of one that is in a file of another name; VDNA_ERR_NOMEM; VDNA_ERR_IO */
 VDNA_API vdna_status vdna_map_update_commit(vdna_map_update *update, vdna_error *error);
 
 /** End it; what was added and not committed is removed.

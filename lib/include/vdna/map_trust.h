@@ -47,6 +47,19 @@ VDNA_API vdna_status vdna_map_trust_open(const char *directory, const vdna_exper
                                          uint32_t count, vdna_error *error,
                                          vdna_map_trust *out_trust);
 
+/** Open the file of a map for those of the experiences that it knows, to renew it: one that was
+ *  added or replaced since is left out. Any of them would make vdna_map_trust_open() refuse.
+ *  @param directory, experiences, count, error  as for vdna_map_trust_open()
+ *  @param out_known  [count], 1 for an experience that the file knows as it is now, else 0; not to
+ *                    be used after an error
+ *  @param out_trust  runs are the experiences that it knows, at least one, in their order; to be
+ *                    ended with vdna_map_trust_close()
+ *  @return what vdna_map_trust_open() returns; VDNA_ERR_MISMATCH if it knows none of them */
+VDNA_API vdna_status vdna_map_trust_open_known(const char *directory,
+                                               const vdna_experience *experiences, uint32_t count,
+                                               vdna_error *error, uint8_t *out_known,
+                                               vdna_map_trust *out_trust);
+
 /** Free the tables.
  *  @param trust  open, closed or zeroed; NULL is allowed; zeroed afterwards */
 VDNA_API void vdna_map_trust_close(vdna_map_trust *trust);

@@ -121,6 +121,22 @@ static void use(const vdna_experience *e)
     }
 }
 
+/* Whatever the header says by itself is text that can be shown, and that of a valid file is what
+ * opening it says. @param e  NULL = the file is not valid */
+static void use_header(const unsigned char *bytes, size_t size, const vdna_experience *e)
+{
+    vdna_experience header;
+    const vdna_status status = vdna_read_header(bytes, size, NULL, &header);
+    MUST(status == VDNA_OK || !e);
+    if (status != VDNA_OK)
+        return;
+    MUST(vdna_name_check(header.name, NULL) == VDNA_OK);
+    MUST(vdna_name_check(header.identity.backbone, NULL) == VDNA_OK);
+    MUST(!header.identity.range && !header.identity.projection && !header.file_bytes);
+    MUST(!e || (strcmp(header.name, e->name) == 0 && header.frames == e->frames &&
+                strcmp(header.comparable, e->comparable) == 0));
+}
+
 static void read_and_use(const unsigned char *bytes, size_t size)
 {
     vdna_experience e;
@@ -133,6 +149,7 @@ static void read_and_use(const unsigned char *bytes, size_t size)
         use(&in_place);
         vdna_experience_close(&in_place);
     }
+    use_header(bytes, size, status == VDNA_OK ? &e : NULL);
     if (status != VDNA_OK) {
         MUST(reason.text[0] != '\0');
         return;

@@ -34,6 +34,13 @@ void of_two_frames_within_tolerance_the_nearest_counts_and_the_first_of_equals(v
     assert_true(eval::fused({&a, &b}, 1, 2, false).embeddings == std::vector<float>({2}));
 }
 
+void a_part_has_a_frame_at_each_place_where_it_has_been(void **)
+{
+    const record::Recording places = part_of({10, 20}, {0, 0}),
+                            part = part_of({8, 11, 9}, {1, 2, 3});
+    assert_true(eval::frames_at(places, part, 2, false) == std::vector<uint32_t>({1, 3}));
+}
+
 void frames_beyond_all_places_are_places_of_their_own(void **)
 {
     // 3 is farther than 2 from place 0; 2 is not.
@@ -89,6 +96,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(a_place_is_the_mean_over_the_parts_that_have_been_there),
         cmocka_unit_test(of_two_frames_within_tolerance_the_nearest_counts_and_the_first_of_equals),
+        cmocka_unit_test(a_part_has_a_frame_at_each_place_where_it_has_been),
         cmocka_unit_test(frames_beyond_all_places_are_places_of_their_own),
         cmocka_unit_test(one_part_is_its_own_fused_map_without_its_unlabelled_frames),
         cmocka_unit_test(parts_are_shifted_to_the_mean_of_their_means),

@@ -199,6 +199,33 @@ static void an_experience_that_was_replaced_is_named(void **state)
     assert_useless(m, VDNA_ERR_MISMATCH, "knows experience b with CRC-32C");
 }
 
+/* To renew the file, rows and columns of all but the one that was replaced can be kept. */
+static void the_experiences_that_it_still_knows_are_told_apart(void **state)
+{
+    map *m = *state;
+    const char *path = m->file.directory.path;
+    uint8_t known[RUNS] = {9, 9, 9};
+    vdna_map_trust trust;
+    make_experience(m, 1, 200);
+    assert_int_equal(vdna_map_trust_open_known(path, m->experiences, RUNS, NULL, known, &trust),
+                     VDNA_OK);
+    assert_true(known[0] == 1 && known[1] == 0 && known[2] == 1);
+    assert_int_equal(trust.runs, 2);
+    assert_true(trust.tolerance == 2.5);
+    assert_true(trust.tables.own_scale[0] == 0.25 && trust.tables.own_scale[1] == 0.75);
+    assert_true(trust.tables.frames[1] == 2 && trust.tables.correlation[1] == 7);
+    assert_memory_equal(&trust.tables.cells[1], &m->cells[0][2], sizeof(vdna_trust_cell));
+    assert_memory_equal(&trust.tables.cells[2], &m->cells[2][0], sizeof(vdna_trust_cell));
+    vdna_map_trust_close(&trust);
+
+    vdna_error error = {""};
+    assert_int_equal(vdna_map_trust_open_known(path, m->experiences + 1, 1, &error, known, &trust),
+                     VDNA_ERR_MISMATCH);
+    assert_non_null(strstr(error.text, "knows experience b with CRC-32C"));
+    assert_int_equal(vdna_map_trust_open_known(path, m->experiences, RUNS, NULL, NULL, &trust),
+                     VDNA_ERR_ARG);
+}
+
 static void a_file_of_another_map_is_told_apart(void **state)
 {
     map *m = *state;
@@ -456,6 +483,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(without_a_file_the_map_knows_nothing_and_the_remedy_is_said,
                                         set_up, tear_down),
         cmocka_unit_test_setup_teardown(an_experience_that_was_replaced_is_named, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(the_experiences_that_it_still_knows_are_told_apart, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(a_file_of_another_map_is_told_apart, set_up, tear_down),
         cmocka_unit_test_setup_teardown(any_damaged_byte_is_refused, set_up, tear_down),

@@ -446,6 +446,116 @@ static void a_call_that_an_update_cannot_do_without_is_named(void **state)
     }
 }
 
+/* Add one experience to a map. */
+static vdna_status add_one(const char *path, const vdna_experience *e, vdna_error *error)
+{
+    vdna_map_update *update = NULL;
+    assert_int_equal(vdna_map_update_open(path, NULL, &update), VDNA_OK);
+    assert_int_equal(vdna_map_update_add(update, e, NULL), VDNA_OK);
+    const vdna_status status = vdna_map_update_commit(update, error);
+    vdna_map_update_close(update);
+    return status;
+}
+
+/* Check that a map of `winter` refuses an experience for this reason, and stays as it was. */
+static void assert_does_not_join(const directory *made, const vdna_experience *e,
+                                 const char *reason)
+{
+    vdna_error error = {""};
+    assert_int_equal(add_one(made->path, e, &error), VDNA_ERR_MISMATCH);
+    if (!strstr(error.text, made->path) || !strstr(error.text, reason) ||
+        !strstr(error.text, "; the map is unchanged"))
+        fail_msg("expected the path and \"%s\" in: %s", reason, error.text);
+    assert_int_equal(files_in(made->path), 1);
+    assert_winter(made, 1);
+}
+
+static void an_experience_that_does_not_compare_with_the_map_is_refused(void **state)
+{
+    static const float other_range[3][2] = {{-1, 1}, {0, 6}, {-2.5f, 3}};
+    const directory *made = *state;
+    float embeddings[64];
+    vdna_experience e = experience_of("winter", 1, embeddings);
+    assert_int_equal(add_one(made->path, &e, NULL), VDNA_OK);
+    e = experience_of("summer", 2, embeddings);
+    assert_does_not_join(made, &e,
+                         "winter.vdna: does not compare with summer, which is to be added: "
+                         "preprocessing is update 1 in one and update 2 in the other");
+    e = experience_of("summer", 1, embeddings);
+    e.identity.range = other_range[0];
+    assert_does_not_join(made, &e, "the ranges, or the projections, differ");
+    e.identity.range = sample_experience().identity.range;
+    assert_int_equal(add_one(made->path, &e, NULL), VDNA_OK);
+    assert_int_equal(files_in(made->path), 2);
+}
+
+static void experiences_of_one_update_compare_with_one_another(void **state)
+{
+    const directory *made = *state;
+    float embeddings[64];
+    vdna_error error = {""};
+    vdna_map_update *update = begin(made->path, 1);
+    const vdna_experience e = experience_of("summer", 2, embeddings);
+    assert_int_equal(vdna_map_update_add(update, &e, NULL), VDNA_OK);
+    assert_int_equal(vdna_map_update_commit(update, &error), VDNA_ERR_MISMATCH);
+    assert_non_null(strstr(error.text, "winter.vdna.staged: does not compare with summer"));
+    assert_non_null(strstr(error.text, "; the map is unchanged"));
+    vdna_map_update_close(update);
+    assert_int_equal(files_in(made->path), 0);
+}
+
+static void the_name_of_an_experience_in_a_file_of_another_name_is_taken(void **state)
+{
+    const directory *made = *state;
+    float embeddings[64];
+    vdna_error error = {""};
+    vdna_experience e = experience_of("winter", 1, embeddings);
+    assert_int_equal(vdna_experience_write(&e, path_in(made, "old.vdna"), NULL), VDNA_OK);
+    assert_int_equal(add_one(made->path, &e, &error), VDNA_ERR_MISMATCH);
+    assert_non_null(strstr(error.text, "old.vdna: is already called winter"));
+    assert_non_null(strstr(error.text, "; the map is unchanged"));
+    assert_int_equal(files_in(made->path), 1);
+    strcpy(e.name, "old"); /* which replaces it */
+    assert_int_equal(add_one(made->path, &e, NULL), VDNA_OK);
+    assert_int_equal(files_in(made->path), 1);
+}
+
+/* A damaged experience is no reason to lose a new one; readers say which is damaged. */
+static void a_damaged_experience_and_other_files_hinder_no_addition(void **state)
+{
+    const directory *made = *state;
+    float embeddings[64];
+    const vdna_experience e = experience_of("winter", 1, embeddings);
+    save_file(path_in(made, "cut.vdna"), "x", 1);
+    save_file(path_in(made, ".hidden.vdna"), "x", 1);
+    save_file(path_in(made, ".vdna"), "x", 1);
+    save_file(path_in(made, "notes.txt"), "x", 1);
+    assert_int_equal(add_one(made->path, &e, NULL), VDNA_OK);
+    assert_int_equal(access(path_in(made, "winter.vdna"), F_OK), 0);
+}
+
+/* Of each function the calls of a commit, before the update is final. */
+static void a_map_that_cannot_be_listed_stays_as_it_was(void **state)
+{
+    static const refused_call cases[] = {
+        {"openat", EACCES, VDNA_ERR_IO, "winter.vdna.staged: cannot open: Permission denied"},
+        {"readdir", EIO, VDNA_ERR_IO, "cannot read the directory: Input/output error"},
+    };
+    const directory *made = *state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        vdna_error error = {""};
+        vdna_map_update *update = begin(made->path, 1);
+        refuse(cases[i].call, 0, cases[i].refusal);
+        assert_int_equal(vdna_map_update_commit(update, &error), cases[i].expected);
+        assert_true(was_refused());
+        assert_non_null(strstr(error.text, cases[i].reason));
+        assert_non_null(strstr(error.text, "; the map is unchanged"));
+        assert_int_equal(vdna_map_update_commit(update, NULL), VDNA_OK);
+        vdna_map_update_close(update);
+        assert_int_equal(unlink(path_in(made, "winter.vdna")), 0);
+    }
+}
+
 static void a_path_that_is_too_long_is_refused(void **state)
 {
     vdna_error error;
@@ -484,6 +594,11 @@ int main(void)
         CASE(a_replacement_refused_at_any_call_leaves_the_old_file_or_the_new_one),
         CASE(without_locks_a_map_is_updated_all_the_same),
         CASE(a_call_that_an_update_cannot_do_without_is_named),
+        CASE(an_experience_that_does_not_compare_with_the_map_is_refused),
+        CASE(experiences_of_one_update_compare_with_one_another),
+        CASE(the_name_of_an_experience_in_a_file_of_another_name_is_taken),
+        CASE(a_damaged_experience_and_other_files_hinder_no_addition),
+        CASE(a_map_that_cannot_be_listed_stays_as_it_was),
         cmocka_unit_test(a_path_that_is_too_long_is_refused),
     };
     return cmocka_run_group_tests_name("map_update", tests, NULL, NULL);

@@ -26,6 +26,15 @@ inline std::string_view thumbnail_of(const vdna_experience &experience, uint32_t
     return {reinterpret_cast<const char *>(jpeg), size};
 }
 
+/** What the header of an experience file says: vdna_experience_read_header(). Throws Error. */
+inline vdna_experience header_of(const std::filesystem::path &path)
+{
+    vdna_error error{};
+    vdna_experience header{};
+    require(vdna_experience_read_header(path.c_str(), &error, &header), error);
+    return header;
+}
+
 class Experience
 {
   public:

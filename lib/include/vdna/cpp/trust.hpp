@@ -35,6 +35,20 @@ class MapTrust
         if (vdna_map_trust_open(directory.c_str(), experiences, runs, &error, &trust_) != VDNA_OK)
             why_not_ = error.text;
     }
+    /** The same of those experiences that the file knows as they are now.
+     *  @param out_known  [experiences], whether it knows each; all 0 if it is not open */
+    MapTrust(const std::string &directory, const std::vector<vdna_experience> &experiences,
+             std::vector<uint8_t> &out_known)
+    {
+        vdna_error error{};
+        const auto runs = static_cast<uint32_t>(std::min<size_t>(experiences.size(), UINT32_MAX));
+        out_known.assign(experiences.size(), 0);
+        if (vdna_map_trust_open_known(directory.c_str(), experiences.data(), runs, &error,
+                                      out_known.data(), &trust_) == VDNA_OK)
+            return;
+        why_not_ = error.text;
+        out_known.assign(experiences.size(), 0);
+    }
     ~MapTrust() { vdna_map_trust_close(&trust_); }
     MapTrust(const MapTrust &) = delete;
     MapTrust &operator=(const MapTrust &) = delete;
