@@ -398,6 +398,7 @@ void Daemon::answer(vdna_transport *transport, const vdna_transport_frame &frame
     stages_.inference.add(seen.inference_us);
     stages_.publish.add(watch.lap_us());
     stages_.total.add(program::monotonic_us() - frame.received_us);
+    vdna_select_catch_up(session_->select()); // while the next frame is on its way
 }
 
 // Of a log, which is read at any speed, its camera's.

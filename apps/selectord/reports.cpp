@@ -128,9 +128,7 @@ const vdna_trust_prediction *RankingReport::prediction(const vdna_select &select
 
 int32_t RankingReport::settled_frames(const vdna_select &select) const
 {
-    const vdna_trust_answer *const trust = vdna_select_trust(&select);
-    const bool is_early = vdna_select_ranked_by(&select) == VDNA_SELECT_BY_RELATIVE;
-    return trust && is_early ? static_cast<int32_t>(trust->settled_frames) : 0;
+    return vdna_select_is_early(&select) ? message_.window_frames : 0;
 }
 
 // The choice as a whole.

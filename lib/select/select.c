@@ -278,7 +278,8 @@ static vdna_status choose(vdna_select *select, int is_early)
     const vdna_status status = rank(select, &live);
     if (status != VDNA_OK)
         return status;
-    vdna_select_judge(select, is_early);
+    select->is_early = (uint32_t)is_early;
+    vdna_select_judge(select);
     vdna_select_put_excluded_last(select);
     select->is_over = 1;
     if (select->config.reselect)
@@ -342,14 +343,6 @@ static vdna_status add_to_window(vdna_select *select, const vdna_select_frame *f
     return status;
 }
 
-/* Whether the first answer need not wait for the rest of the warmup. A later one waits: the more
- * often one asks whether none fits, the more often the answer is wrong. */
-static int may_stop(const vdna_select *select)
-{
-    return select->config.stop_early && select->state == VDNA_SELECT_WARMUP &&
-           vdna_trust_settled_frames(select->config.trust) > 0;
-}
-
 /* Warm up with a frame, and choose once the warmup is complete. */
 static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, uint32_t order,
                            int64_t utime, vdna_select_answer *answer)
@@ -368,7 +361,7 @@ static vdna_status warm_up(vdna_select *select, const vdna_select_frame *frame, 
     status = add_to_window(select, frame, utime, &events);
     const int is_complete = (events & VDNA_WINDOW_COMPLETE) != 0;
     const int is_first = select->state == VDNA_SELECT_WARMUP;
-    answer->newly_ranked = is_complete || may_stop(select);
+    answer->newly_ranked = is_complete || vdna_select_may_stop(select);
     if (status == VDNA_OK && answer->newly_ranked)
         status = choose(select, !is_complete);
     if (status != VDNA_OK) { /* the ranking is lost, too */
@@ -512,6 +505,12 @@ uint32_t vdna_select_is_bound(const vdna_select *select, uint32_t candidate)
     return is_ranked(select) && candidate < select->config.candidate_count
                ? select->is_bound[candidate]
                : 0;
+}
+
+/* see vdna/select.h */
+uint32_t vdna_select_is_early(const vdna_select *select)
+{
+    return is_ranked(select) ? select->is_early : 0;
 }
 
 /* see vdna/select.h */

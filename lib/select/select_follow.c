@@ -11,6 +11,7 @@ void vdna_select_forget(vdna_select *select)
         if (i != held)
             vdna_localise_reset(config->localisers[i]);
     select->lead_count = 0;
+    select->is_behind = 0;
 }
 
 /* see select_state.h */
@@ -64,15 +65,13 @@ static void follow_in(vdna_select *select, uint32_t candidate, const float *embe
                        &select->answers[candidate]);
 }
 
-/* Follow in all that are followed.
- * @param but  a candidate that is left out */
-static void follow(vdna_select *select, uint32_t but, const float *embedding)
+/* Follow in all that are followed. */
+static void follow(vdna_select *select, const float *embedding)
 {
     const uint32_t count = followed(select);
     for (uint32_t i = 0; i < count; i++)
-        if (select->ranking[i].candidate != but)
-            follow_in(select, select->ranking[i].candidate, embedding);
-    if (count == 0 && select->chosen != but)
+        follow_in(select, select->ranking[i].candidate, embedding);
+    if (count == 0)
         follow_in(select, select->chosen, embedding);
 }
 
@@ -105,21 +104,42 @@ static uint64_t oldest_lead(const vdna_select *select)
 }
 
 /* see select_state.h */
-void vdna_select_follow_leads(vdna_select *select, uint32_t held)
-{
-    if (!select->config.localisers)
-        return;
-    for (uint64_t number = oldest_lead(select); number < select->lead_count; number++)
-        follow(select, held, lead(select, number));
-    if (held == VDNA_SELECT_NONE)
-        believe(select);
-}
-
-/* see select_state.h */
 void vdna_select_take_up(vdna_select *select, uint32_t candidate)
 {
     for (uint64_t number = oldest_lead(select); number < select->lead_count; number++)
         follow_in(select, candidate, lead(select, number));
+}
+
+/* Let some of the ranking follow the leads, from one place to before another. */
+static void take_up_places(vdna_select *select, uint32_t from, uint32_t to, uint32_t but)
+{
+    for (uint32_t i = from; i < to; i++)
+        if (select->ranking[i].candidate != but)
+            vdna_select_take_up(select, select->ranking[i].candidate);
+}
+
+/* see select_state.h; whatever is followed behind the first `top` has no say in the answer. */
+void vdna_select_follow_leads(vdna_select *select, uint32_t held)
+{
+    const vdna_select_config *config = &select->config;
+    if (!config->localisers)
+        return;
+    const uint32_t count = followed(select);
+    take_up_places(select, 0, count < config->top ? count : config->top, held);
+    if (count == 0 && select->chosen != held)
+        vdna_select_take_up(select, select->chosen);
+    if (held == VDNA_SELECT_NONE)
+        believe(select);
+    select->is_behind = 1;
+}
+
+/* see vdna/select.h; what is held is one of the first, or has followed since before the choice. */
+void vdna_select_catch_up(vdna_select *select)
+{
+    if (!select || !select->is_behind)
+        return;
+    take_up_places(select, select->config.top, followed(select), vdna_select_held(select));
+    select->is_behind = 0;
 }
 
 /* ---- Choosing again ---- */
@@ -195,7 +215,8 @@ vdna_status vdna_select_localise(vdna_select *select, const float *embedding,
 {
     if (!select->config.localisers)
         return place_nearest_frame(select, embedding, answer);
-    follow(select, VDNA_SELECT_NONE, embedding);
+    vdna_select_catch_up(select);
+    follow(select, embedding);
     if (select->config.reselect && select->state == VDNA_SELECT_SELECTED)
         reconsider(select, embedding);
     place(select, answer);

@@ -69,6 +69,7 @@ vdna_status vdna_select_pin(vdna_select *select, uint32_t candidate)
     if (candidate != VDNA_SELECT_NONE &&
         (candidate >= select->config.candidate_count || select->excluded[candidate]))
         return VDNA_ERR_ARG;
+    vdna_select_catch_up(select);
     const uint32_t before = vdna_select_held(select);
     select->pinned = candidate;
     hold(select, before);
@@ -86,6 +87,7 @@ vdna_status vdna_select_shadow(vdna_select *select, uint32_t on)
 {
     if (!select || on > 1)
         return VDNA_ERR_ARG;
+    vdna_select_catch_up(select);
     const uint32_t before = vdna_select_held(select);
     select->shadow = on;
     if (!on)
@@ -129,6 +131,7 @@ vdna_status vdna_select_exclude(vdna_select *select, uint32_t candidate, uint32_
         return VDNA_ERR_ARG;
     if (select->excluded[candidate] == on)
         return VDNA_OK;
+    vdna_select_catch_up(select);
     select->excluded[candidate] = (uint8_t)on;
     if (select->kept == candidate)
         select->kept = VDNA_SELECT_NONE;

@@ -33,9 +33,12 @@ struct vdna_select {
     float code_scale;
 
     uint32_t state, chosen, ranked_by;
-    uint32_t is_over; /* whether the window is that of the newest choice, so that the next frame to
-                         warm up with begins another */
+    uint32_t is_early; /* whether the newest choice had settled before its warmup was complete */
+    uint32_t is_over;  /* whether the window is that of the newest choice, so that the next frame to
+                          warm up with begins another */
     uint32_t is_placed; /* whether there is a position */
+    uint32_t
+        is_behind; /* whether localisers are to follow the leads that no answer has needed yet */
     uint32_t previous, restart_cause;
     uint64_t accepted, rejected, restarts, switches;
 
@@ -84,9 +87,11 @@ vdna_status vdna_select_measure_for_warmup(vdna_select *select, const float *emb
 /* Count the frame that was measured. */
 void vdna_select_count(vdna_select *select);
 
-/* Ask trust about the ranking by distance, and bring it into the order of the choice.
- * @param is_early  whether the choice has settled before the end of the warmup */
-void vdna_select_judge(vdna_select *select, int is_early);
+/* Whether the first answer need not wait for the rest of the warmup. */
+int vdna_select_may_stop(const vdna_select *select);
+
+/* Ask trust about the ranking by distance, and bring it into the order of the choice. */
+void vdna_select_judge(vdna_select *select);
 
 /* ---- select_follow.c ---- */
 
@@ -101,7 +106,8 @@ void vdna_select_forget_held(vdna_select *select);
  * means. */
 void vdna_select_take_lead(vdna_select *select, const float *embedding);
 
-/* Let the localisers follow the leads to where the robot is.
+/* Let the localisers that answer follow the leads to where the robot is; vdna_select_catch_up()
+ * lets the others.
  * @param held  the candidate whose localiser has followed before the choice, or VDNA_SELECT_NONE */
 void vdna_select_follow_leads(vdna_select *select, uint32_t held);
 

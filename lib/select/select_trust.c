@@ -105,6 +105,28 @@ void vdna_select_count(vdna_select *select)
 
 /* ---- The choice ---- */
 
+/* Whether choices are in the order of transfer, which then all candidates have. */
+static int is_by_transfer(const vdna_select_config *config)
+{
+    return config->rank == VDNA_SELECT_BY_TRANSFER &&
+           vdna_trust_fitted(config->trust)->labelled == config->candidate_count;
+}
+
+/* Fewest frames of an early choice by transfer. With 20 its first is that of a whole warmup as
+ * often as with 30, with 10 less often. */
+#define TRANSFER_FRAMES_MIN 20u
+
+/* see select_state.h; a later answer waits: the more often one asks whether none fits, the more
+ * often the answer is wrong. */
+int vdna_select_may_stop(const vdna_select *select)
+{
+    const vdna_select_config *config = &select->config;
+    if (!config->stop_early || select->state != VDNA_SELECT_WARMUP ||
+        vdna_trust_settled_frames(config->trust) == 0)
+        return 0;
+    return !is_by_transfer(config) || vdna_select_window_frames(select) >= TRANSFER_FRAMES_MIN;
+}
+
 /* By what a ranking is ordered, the highest first. */
 static double merit_of(const vdna_select *select, const vdna_rank_entry *entry)
 {
@@ -164,24 +186,15 @@ static void mark_ties(const vdna_select *select)
     }
 }
 
-static int has_transfer(const vdna_select *select)
+static uint32_t method_of(const vdna_select *select)
 {
-    int all = 1;
-    for (uint32_t i = 0; i < select->config.candidate_count; i++)
-        all &= isnan(select->predictions[i].transfer) ? 0 : 1;
-    return all;
-}
-
-static uint32_t method_of(const vdna_select *select, int is_early)
-{
-    if (is_early)
-        return VDNA_SELECT_BY_RELATIVE;
-    const int is_wanted = select->config.rank == VDNA_SELECT_BY_TRANSFER;
-    return is_wanted && has_transfer(select) ? VDNA_SELECT_BY_TRANSFER : VDNA_SELECT_BY_EMD;
+    if (is_by_transfer(&select->config))
+        return VDNA_SELECT_BY_TRANSFER;
+    return select->is_early ? VDNA_SELECT_BY_RELATIVE : VDNA_SELECT_BY_EMD;
 }
 
 /* see select_state.h */
-void vdna_select_judge(vdna_select *select, int is_early)
+void vdna_select_judge(vdna_select *select)
 {
     if (!select->config.trust)
         return;
@@ -189,7 +202,7 @@ void vdna_select_judge(vdna_select *select, int is_early)
         select->of_candidates[select->ranking[i].candidate] = select->ranking[i].distance_bins;
     vdna_trust_predict(select->config.trust, select->of_candidates, select->predictions,
                        &select->trusted);
-    select->ranked_by = method_of(select, is_early);
+    select->ranked_by = method_of(select);
     if (select->ranked_by == VDNA_SELECT_BY_EMD)
         return;
     order_by_merit(select);

@@ -11,6 +11,7 @@ from scene import NETWORKS
 from selectord import Camera, Selectord, Watch
 
 BLOCK = 5  # frames that the daemon answers before its peer gets its turn
+LEAD = 10  # frames of a warmup by which the place filters find the place before they answer
 STAGES = ("queue", "decode", "resize", "inference", "select", "rank", "publish", "total")
 
 
@@ -97,25 +98,27 @@ def package_of(context, name, files):
 
 
 def last_frame(context, name, count, exact):
-    """From the last frame of a warmup to the ranking: a warmup of one frame, repeated.
+    """From the last frame of a warmup to the ranking: a short warmup, repeated.
     exact: places of the ranking that have a distance, not a bound; 0 = all"""
-    manifest, frames = context.scene.manifest(name), 6 if context.tiny else 20
-    picture = context.scene.pictures(3)[0].read_bytes()
+    manifest, rounds = context.scene.manifest(name), 4 if context.tiny else 10
+    pictures = [file.read_bytes() for file in context.scene.pictures(10)]
     settings = context.scene.folder / f"exact-{exact}.toml"
-    settings.write_text(f"[select]\nexact_distances = {exact}\n", encoding="ascii")
+    settings.write_text(f"[camera]\nhealth = false\n[select]\nexact_distances = {exact}\n",
+                        encoding="ascii")  # the pictures come again
     options = ("--map", context.scene.map(manifest, count), "--backbone", manifest,
-               "--warmup-frames", 1, "-c", settings)
+               "--warmup-frames", LEAD, "-c", settings)
     blocks = []
     with Answers() as answers, Camera() as camera, Camera("VDNA_COMMAND") as operator, \
             Selectord(*options) as daemon, Bare(context.build, manifest) as bare:
         course = Drive(camera, answers, daemon)
-        for utime in range(frames):
+        for first in range(0, rounds * LEAD, LEAD):
             operator.send(reset_message())
-            course.ask(utime, picture)
+            for utime in range(first, first + LEAD):
+                course.ask(utime, pictures[utime % len(pictures)])
             _, ranked, wait = course.asked[-1]
             blocks.append(([(ranked, ranked, wait)], bare.run(1), None))
         with Watch() as watch:
-            status = watch.wait_for("status", lambda said: said["processed"] == frames)
+            status = watch.wait_for("status", lambda said: said["processed"] == rounds * LEAD)
     # By the daemon's own clock, stage by stage: two inferences differ by more than the effect
     # sought here.
     stages_ms = {stage: status[stage]["p50_us"] / 1e3

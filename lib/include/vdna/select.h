@@ -22,8 +22,9 @@
  *  choice comes with what may be expected of it: vdna_select_trust(), vdna_select_predictions().
  *
  *  - Order. By distance; or by transfer, if `rank` says so and trust tells that of every candidate.
- *    With `stop_early` the first choice comes as soon as it has settled, in the order of the
- *    predictions' scores: so few frames have a distance from anything.
+ *    With `stop_early` the first choice comes as soon as it has settled: by transfer with 20 frames
+ *    at least; where that is not told, in the order of the predictions' scores, because so few
+ *    frames have a distance from anything.
  *  - NONE_FITS, if trust's verdict is UNLIKE or POOR. Ranking, choice and localisation are there as
  *    in SELECTED, of the least bad. Meanwhile another warmup begins with the next frame, and when
  *    it is complete, be it settled or not, the selector chooses again, and so on until one fits.
@@ -239,6 +240,13 @@ VDNA_API vdna_status vdna_select_feed_seen(vdna_select *select, const vdna_selec
 VDNA_API vdna_status vdna_select_feed(vdna_select *select, const vdna_select_frame *frame,
                                       vdna_select_answer *out_answer);
 
+/** Do now what the next frame would otherwise wait for. After a choice, the localisers of
+ * candidates that have no say in the answer, though they may be chosen later, have yet to follow
+ * the last frames of the warmup; it takes up to VDNA_LOCALISE_LEAD_FRAMES steps of each. For the
+ * time between two frames: no answer depends on it.
+ *  @param select  NULL is allowed */
+VDNA_API void vdna_select_catch_up(vdna_select *select);
+
 /** Forget the choice and the window, also of trust and of the localisers, and warm up again.
  *  Counters stay, and what is pinned, excluded, or kept by shadow.
  *  @param select  NULL is allowed */
@@ -341,6 +349,11 @@ VDNA_API const vdna_rank_entry *vdna_select_ranking(const vdna_select *select, u
  *  @param candidate  index
  *  @return 1 if so; 0 if it has the distance, in state WARMUP, and if there is no such candidate */
 VDNA_API uint32_t vdna_select_is_bound(const vdna_select *select, uint32_t candidate);
+
+/** Tell whether the choice had settled before its warmup was complete.
+ *  @param select  NULL gives 0
+ *  @return 1 if so; 0 if not, and in state WARMUP */
+VDNA_API uint32_t vdna_select_is_early(const vdna_select *select);
 
 /** Tell what ordered the ranking; a switch has moved its choice to the front since.
  *  @param select  NULL gives VDNA_SELECT_BY_EMD

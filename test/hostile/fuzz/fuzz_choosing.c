@@ -397,6 +397,7 @@ static void check_trust(const machine *m)
     if (vdna_select_state(s) == VDNA_SELECT_NONE_FITS)
         MUST(trust->verdict != VDNA_TRUST_FITS);
     MUST(vdna_select_ranked_by(s) <= VDNA_SELECT_BY_RELATIVE);
+    MUST(vdna_select_is_early(s) <= (vdna_select_state(s) == VDNA_SELECT_WARMUP ? 0u : 1u));
     MUST(vdna_select_previous(s) < m->count && (!vdna_select_is_lost(s) || m->localises));
 }
 
@@ -516,7 +517,7 @@ static void command_select(calls *c, machine *m)
     const uint32_t on = seldom(c, 16) ? any_count(c, 0) : below(c, 2);
     const uint32_t pinned = vdna_select_pinned(s), shadow = vdna_select_in_shadow(s);
     const uint32_t excluded = vdna_select_is_excluded(s, candidate);
-    switch (below(c, 4)) {
+    switch (below(c, 5)) {
     case 0:
         if (vdna_select_pin(s, candidate) == VDNA_OK)
             MUST(vdna_select_pinned(s) == candidate && !excluded);
@@ -530,6 +531,9 @@ static void command_select(calls *c, machine *m)
     case 2:
         MUST((vdna_select_shadow(s, on) == VDNA_OK) == (on <= 1));
         MUST(vdna_select_in_shadow(s) == (on <= 1 ? on : shadow));
+        break;
+    case 3:
+        vdna_select_catch_up(s);
         break;
     default:
         if (vdna_select_exclude(s, candidate, on) == VDNA_OK)

@@ -140,6 +140,104 @@ static void another_route_is_told_by_jumps_of_the_place(void **state)
     assert_int_equal(vdna_select_is_lost(NULL), 0);
 }
 
+/* ---- Catching up ---- */
+
+static void others_follow_the_warmup_after_the_choice(void **state)
+{
+    (void)state;
+    make_map();
+    vdna_select *select = selector(make_trust(NULL), 12, 1);
+    for (uint32_t t = 0; t < 12; t++)
+        drive(select, t, DAY);
+    assert_true(vdna_localise_evidence(localisers[DAY]) != 0);
+    assert_true(vdna_localise_evidence(localisers[NIGHT]) == 0);
+    vdna_select_catch_up(select);
+    const double led = vdna_localise_evidence(localisers[NIGHT]);
+    assert_true(led != 0);
+    vdna_select_catch_up(select);
+    vdna_select_catch_up(NULL);
+    assert_true(vdna_localise_evidence(localisers[NIGHT]) == led);
+}
+
+static void what_is_held_has_followed_since_before_the_choice(void **state)
+{
+    (void)state;
+    make_map();
+    vdna_select *select = selector(make_trust(NULL), 12, 1);
+    OK(vdna_select_pin(select, NIGHT));
+    for (uint32_t t = 0; t < 12; t++)
+        drive(select, t, DAY);
+    const double followed = vdna_localise_evidence(localisers[NIGHT]);
+    assert_true(followed != 0);
+    vdna_select_catch_up(select);
+    assert_true(vdna_localise_evidence(localisers[NIGHT]) == followed);
+    assert_true(vdna_localise_evidence(localisers[FOG]) != 0);
+}
+
+/* What an operator wants right after the choice of frame 11, or before and no more after it. */
+enum { NOTHING, EXCLUDE_DAY, PIN_NIGHT, SHADOW, UNPIN_NIGHT, UNSHADOW_NIGHT, RESET, WISHES };
+
+static void command_before(vdna_select *select, uint32_t wish)
+{
+    if (wish == UNPIN_NIGHT || wish == UNSHADOW_NIGHT)
+        OK(vdna_select_pin(select, NIGHT));
+    if (wish == UNSHADOW_NIGHT) { /* which goes on with what was pinned */
+        OK(vdna_select_shadow(select, 1));
+        OK(vdna_select_pin(select, VDNA_SELECT_NONE));
+    }
+}
+
+static void command_after(vdna_select *select, uint32_t wish)
+{
+    if (wish == EXCLUDE_DAY)
+        OK(vdna_select_exclude(select, DAY, 1));
+    if (wish == PIN_NIGHT || wish == UNPIN_NIGHT)
+        OK(vdna_select_pin(select, wish == PIN_NIGHT ? NIGHT : VDNA_SELECT_NONE));
+    if (wish == SHADOW || wish == UNSHADOW_NIGHT)
+        OK(vdna_select_shadow(select, wish == SHADOW));
+    if (wish == RESET)
+        vdna_select_reset(select);
+}
+
+/* By day, and from frame 60 on by night.
+ * @param places  [120]
+ * @param means   [RUNS][DIM], in the end */
+static void drive_through_dusk(uint32_t wish, int catches_up, vdna_select_position *places,
+                               double *means)
+{
+    make_map();
+    vdna_select *select = selector(make_trust(NULL), 12, 1);
+    command_before(select, wish);
+    for (uint32_t t = 0; t < 120; t++) {
+        drive(select, t, t < 60 ? DAY : NIGHT);
+        if (catches_up)
+            vdna_select_catch_up(select);
+        if (t == 11)
+            command_after(select, wish);
+        if (t == 16 && wish == RESET)
+            OK(vdna_select_pin(select, NIGHT));
+        const vdna_select_position *where = vdna_select_where(select);
+        memset(&places[t], 0, sizeof *places);
+        if (where)
+            places[t] = *where;
+    }
+    for (uint32_t b = 0; b < RUNS; b++)
+        memcpy(means + (size_t)b * DIM, vdna_localise_mean(localisers[b]), DIM * sizeof *means);
+}
+
+static void no_answer_depends_on_catching_up(void **state)
+{
+    (void)state;
+    for (uint32_t wish = 0; wish < WISHES; wish++) {
+        static vdna_select_position places[2][120];
+        static double means[2][RUNS * DIM];
+        for (int catches_up = 0; catches_up < 2; catches_up++)
+            drive_through_dusk(wish, catches_up, places[catches_up], means[catches_up]);
+        assert_memory_equal(places[0], places[1], sizeof *places);
+        assert_memory_equal(means[0], means[1], sizeof *means);
+    }
+}
+
 /* ---- None fits ---- */
 
 /* A frame that is unlike all. */
@@ -236,6 +334,9 @@ int main(void)
         cmocka_unit_test(where_all_are_as_near_the_surer_place_decides),
         cmocka_unit_test(another_route_is_told_by_jumps_of_the_place),
         cmocka_unit_test(nothing_is_reconsidered_unless_told_to),
+        cmocka_unit_test(others_follow_the_warmup_after_the_choice),
+        cmocka_unit_test(what_is_held_has_followed_since_before_the_choice),
+        cmocka_unit_test(no_answer_depends_on_catching_up),
         cmocka_unit_test(while_none_fits_all_localisers_follow_so_the_next_choice_knows_the_place),
         cmocka_unit_test(every_localiser_sees_every_frame_of_the_newest_warmup_once),
         cmocka_unit_test(reconsidering_needs_trust_and_localisers),

@@ -296,11 +296,12 @@ static void a_next_warmup_that_cannot_be_counted_begins_all_anew(void **state)
 
 /* ---- Early stops ---- */
 
-static uint32_t frames_until_chosen(const vdna_select_config *config, uint32_t *out_chosen)
+static uint32_t frames_until_chosen(const vdna_select_config *config, double bin,
+                                    uint32_t *out_chosen)
 {
     vdna_select *select = made(config);
     uint32_t frames = 1;
-    while (feed(select, 1.1 + 0.1 * (frames % 3), 1).newly_ranked == 0)
+    while (feed(select, 1.1 + 0.1 * (frames % 3), bin).newly_ranked == 0)
         frames++;
     *out_chosen = vdna_select_chosen(select);
     return frames;
@@ -313,14 +314,42 @@ static void a_choice_that_has_settled_comes_early_and_is_that_of_the_whole_warmu
     make_trust(3, 0);
     vdna_select_config config = config_of(3, 40);
     uint32_t whole, early;
-    assert_int_equal(frames_until_chosen(&config, &whole), 40);
+    assert_int_equal(frames_until_chosen(&config, 1, &whole), 40);
+    assert_int_equal(vdna_select_is_early((const vdna_select *)block), 0);
     config.stop_early = 1;
-    assert_int_equal(frames_until_chosen(&config, &early), VDNA_TRUST_SETTLED_FRAMES);
+    assert_int_equal(frames_until_chosen(&config, 1, &early), VDNA_TRUST_SETTLED_FRAMES);
     assert_int_equal(early, whole);
     const vdna_select *select = (const vdna_select *)block;
     assert_int_equal(vdna_select_trust(select)->settled_frames, VDNA_TRUST_SETTLED_FRAMES);
     assert_int_equal(vdna_select_state(select), VDNA_SELECT_SELECTED);
     assert_true(vdna_select_progress(select) == 1);
+    assert_int_equal(vdna_select_ranked_by(select), VDNA_SELECT_BY_RELATIVE);
+    assert_int_equal(vdna_select_is_early(select), 1);
+    vdna_select_reset((vdna_select *)block);
+    assert_int_equal(vdna_select_is_early(select), 0);
+    assert_int_equal(vdna_select_is_early(NULL), 0);
+}
+
+static void an_early_choice_by_transfer_waits_for_twenty_frames(void **state)
+{
+    (void)state;
+    make_map(3);
+    make_trust(3, 0);
+    vdna_select_config config = config_of(3, 40);
+    config.rank = VDNA_SELECT_BY_TRANSFER;
+    uint32_t whole, early;
+    assert_int_equal(frames_until_chosen(&config, 0, &whole), 40);
+    config.stop_early = 1;
+    assert_int_equal(frames_until_chosen(&config, 0, &early), 20);
+    const vdna_select *select = (const vdna_select *)block;
+    assert_int_equal(vdna_select_ranked_by(select), VDNA_SELECT_BY_TRANSFER);
+    assert_int_equal(vdna_select_is_early(select), 1);
+    assert_int_equal(early, whole);
+    assert_int_not_equal(early, vdna_select_trust(select)->choice); /* of the scores */
+
+    map.cells[1].recall[0] = NAN; /* so one run is not labelled: there is no transfer of all */
+    make_trust(3, 0);
+    assert_int_equal(frames_until_chosen(&config, 0, &early), VDNA_TRUST_SETTLED_FRAMES);
     assert_int_equal(vdna_select_ranked_by(select), VDNA_SELECT_BY_RELATIVE);
 }
 
@@ -355,7 +384,7 @@ static void nothing_stops_early_where_distances_say_nothing(void **state)
     vdna_select_config config = config_of(RUNS, 40);
     config.stop_early = 1;
     uint32_t chosen;
-    assert_int_equal(frames_until_chosen(&config, &chosen), 40);
+    assert_int_equal(frames_until_chosen(&config, 1, &chosen), 40);
     assert_int_equal(vdna_select_ranked_by((vdna_select *)block), VDNA_SELECT_BY_EMD);
 }
 
@@ -367,7 +396,7 @@ static void none_stops_early_without_trust(void **state)
     config.stop_early = 1;
     config.trust = NULL;
     uint32_t chosen;
-    assert_int_equal(frames_until_chosen(&config, &chosen), 40);
+    assert_int_equal(frames_until_chosen(&config, 1, &chosen), 40);
     uint32_t count = 7;
     assert_null(vdna_select_trust((vdna_select *)block));
     assert_null(vdna_select_predictions((vdna_select *)block, &count));
@@ -382,7 +411,7 @@ static void a_choice_that_settles_with_the_last_frame_is_not_early(void **state)
     vdna_select_config config = config_of(3, VDNA_TRUST_SETTLED_FRAMES);
     config.stop_early = 1;
     uint32_t chosen;
-    assert_int_equal(frames_until_chosen(&config, &chosen), VDNA_TRUST_SETTLED_FRAMES);
+    assert_int_equal(frames_until_chosen(&config, 1, &chosen), VDNA_TRUST_SETTLED_FRAMES);
     assert_int_equal(vdna_select_ranked_by((vdna_select *)block), VDNA_SELECT_BY_EMD);
 }
 
@@ -693,6 +722,7 @@ int main(void)
         cmocka_unit_test(a_reset_forgets_that_none_fits),
         cmocka_unit_test(a_next_warmup_that_cannot_be_counted_begins_all_anew),
         cmocka_unit_test(a_choice_that_has_settled_comes_early_and_is_that_of_the_whole_warmup),
+        cmocka_unit_test(an_early_choice_by_transfer_waits_for_twenty_frames),
         cmocka_unit_test(an_early_choice_is_in_the_order_of_the_scores),
         cmocka_unit_test(nothing_stops_early_where_distances_say_nothing),
         cmocka_unit_test(none_stops_early_without_trust),

@@ -257,7 +257,7 @@ class Selector:
     @property
     def ranked_by(self) -> Optional[str]:
         """What ordered the ranking: "emd", "transfer", or "relative", after a warmup that stopped
-        early; None during the warmup."""
+        early without transfer of all; None during the warmup."""
         return _METHODS[lib.vdna_select_ranked_by(self._select)] if self.selected else None
 
     @property
