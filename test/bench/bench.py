@@ -130,6 +130,10 @@ def main():
     if {"drive", "stages"} & set(groups) and not options.tiny:
         from scene import NETWORKS, Scene
         Scene(build).int8_manifest(next(iter(NETWORKS)))  # fetches the quantiser: later, no network
+    if "fleet" in groups and not options.tiny:
+        import group_fleet
+        from scene import Scene
+        group_fleet.programs(Scene(build))  # likewise
     if {"footprint", "start", "drive", "stages"} & set(groups):
         os.environ["VDNA_BIN"] = str(build / "bin")
         import own_network

@@ -29,15 +29,19 @@ BINS = 1000
 EMBEDDING = 8  # numbers of the 1280 that an experience keeps: they only add bytes to its object
 
 
-def run(context):
-    """All of the group."""
+def programs(scene):
+    """Where those of the virtual environment are, which needs the registry the first time."""
     sys.path.append(str(ROOT / "test" / "support"))
     import tools
     project = tomllib.loads((ROOT / "lib/python/pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    environment = context.scene.folder / "fleet-environment"
-    bin_folder = tools.virtual_environment(environment, *project["dependencies"], *extras["fleet"],
-                                           *extras["ray"])
+    return tools.virtual_environment(scene.folder / "fleet-environment", *project["dependencies"],
+                                     *extras["fleet"], *extras["ray"])
+
+
+def run(context):
+    """All of the group."""
+    bin_folder = programs(context.scene)
     folder = context.scene.folder / ("fleet-tiny" if context.tiny else "fleet")
     folder.mkdir(exist_ok=True)
     settings = {"tiny": context.tiny, "quick": context.quick, "folder": str(folder),
