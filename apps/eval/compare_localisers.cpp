@@ -214,10 +214,10 @@ class Run
         std::vector<const record::Recording *> borrowed;
         for (const record::Recording &part : parts)
             borrowed.push_back(&part);
-        return by_.map == MapKind::fused || by_.map == MapKind::fused_centred ||
-                       by_.map == MapKind::likelihood
-                   ? fused(borrowed, dim_, evaluation_.tolerance, evaluation_.with_altitude)
-                   : joined(borrowed, dim_);
+        const bool has_places = by_.map == MapKind::fused || by_.map == MapKind::fused_centred ||
+                                by_.map == MapKind::likelihood;
+        return has_places ? fused(borrowed, dim_, evaluation_.tolerance, evaluation_.with_altitude)
+                          : joined(borrowed, dim_);
     }
 
     // What the drive leaves of a reference.

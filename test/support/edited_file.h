@@ -85,4 +85,47 @@ static inline void edit_data(edited_file *f, const char *tensor, size_t index, c
     seal(f);
 }
 
+/* For a test of one file, in a directory of its own. */
+static inline int set_up_file(void **state)
+{
+    edited_file *f = calloc(1, sizeof *f);
+    f->directory = make_directory();
+    *state = f;
+    return 0;
+}
+
+static inline int tear_down_file(void **state)
+{
+    const edited_file *f = *state;
+    remove_directory(&f->directory);
+    free(*state);
+    return 0;
+}
+
+/* Write what the bytes are now, and return the path. */
+static inline const char *save_edited(const edited_file *f)
+{
+    const char *path = path_in(&f->directory, "damaged");
+    save_file(path, f->bytes, f->size);
+    return path;
+}
+
+/* Check that the file is refused by name, for the intended reason, without output, and return the
+ * error.
+ * @param reader  vdna_experience_open() or its like */
+static inline vdna_error refusal_by(vdna_status (*reader)(const char *, vdna_error *,
+                                                          vdna_experience *),
+                                    const edited_file *f, vdna_status expected, const char *reason)
+{
+    vdna_error error = {""};
+    vdna_experience e, untouched;
+    memset(&e, 0xAA, sizeof e);
+    untouched = e;
+    assert_int_equal(reader(save_edited(f), &error, &e), expected);
+    assert_memory_equal(&e, &untouched, sizeof e);
+    if (!strstr(error.text, reason) || !strstr(error.text, "damaged: "))
+        fail_msg("expected the path and \"%s\" in: %s", reason, error.text);
+    return error;
+}
+
 #endif

@@ -10,30 +10,19 @@
 
 static int set_up(void **state)
 {
-    edited_file *f = calloc(1, sizeof *f);
-    f->directory = make_directory();
+    set_up_file(state);
+    edited_file *f = *state;
     const vdna_experience sample = sample_experience();
     const char *path = path_in(&f->directory, "sample");
     if (vdna_experience_write(&sample, path, NULL) != VDNA_OK)
         return -1;
     f->size = load_file(path, f->bytes, sizeof f->bytes);
-    *state = f;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    const edited_file *f = *state;
-    remove_directory(&f->directory);
-    free(*state);
     return 0;
 }
 
 static vdna_status open_bytes(const edited_file *f, vdna_error *error, vdna_experience *out)
 {
-    const char *path = path_in(&f->directory, "damaged");
-    save_file(path, f->bytes, f->size);
-    return vdna_experience_open(path, error, out);
+    return vdna_experience_open(save_edited(f), error, out);
 }
 
 static void assert_opens(const edited_file *f)
@@ -46,17 +35,9 @@ static void assert_opens(const edited_file *f)
     vdna_experience_close(&e);
 }
 
-/* Check that the file is refused by name, for the intended reason, without output. */
 static void assert_refused(const edited_file *f, vdna_status expected, const char *reason)
 {
-    vdna_error error = {""};
-    vdna_experience e, untouched;
-    memset(&e, 0xAA, sizeof e);
-    untouched = e;
-    assert_int_equal(open_bytes(f, &error, &e), expected);
-    assert_memory_equal(&e, &untouched, sizeof e);
-    if (!strstr(error.text, reason) || !strstr(error.text, "damaged: "))
-        fail_msg("expected the path and \"%s\" in: %s", reason, error.text);
+    refusal_by(vdna_experience_open, f, expected, reason);
 }
 
 static void what_is_written_is_read_back(void **state)
@@ -923,7 +904,7 @@ static void an_open_experience_outlives_its_file(void **state)
 
 int main(void)
 {
-#define CASE(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
+#define CASE(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down_file)
     const struct CMUnitTest tests[] = {
         CASE(what_is_written_is_read_back),
         CASE(an_experience_needs_no_places_and_no_positions),

@@ -3,22 +3,6 @@
 #include "cmocka_all.h"
 #include "edited_file.h"
 
-static int set_up(void **state)
-{
-    edited_file *f = calloc(1, sizeof *f);
-    f->directory = make_directory();
-    *state = f;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    const edited_file *f = *state;
-    remove_directory(&f->directory);
-    free(*state);
-    return 0;
-}
-
 static const char *path_of(const edited_file *f)
 {
     return path_in(&f->directory, "one.vdna");
@@ -70,21 +54,15 @@ static void a_header_says_what_opening_the_file_says(void **state)
     }
 }
 
-static vdna_status read_bytes(const edited_file *f, vdna_error *error, vdna_experience *out)
-{
-    save_file(path_of(f), f->bytes, f->size);
-    return vdna_experience_read_header(path_of(f), error, out);
-}
-
 static void the_tensors_are_not_read(void **state)
 {
     edited_file *f = *state;
     vdna_experience header;
     write_experience(f, sample_experience());
     memset(f->bytes + 8 + header_length(f), 0xFF, f->size - 8 - header_length(f));
-    assert_int_equal(read_bytes(f, NULL, &header), VDNA_OK);
+    assert_int_equal(vdna_experience_read_header(save_edited(f), NULL, &header), VDNA_OK);
     assert_int_equal(header.checksum, 0);
-    assert_int_equal(vdna_experience_open(path_of(f), NULL, &header), VDNA_ERR_CHECKSUM);
+    assert_int_equal(vdna_experience_open(save_edited(f), NULL, &header), VDNA_ERR_CHECKSUM);
 }
 
 static void a_frame_that_is_not_stated_is_not_known(void **state)
@@ -93,7 +71,7 @@ static void a_frame_that_is_not_stated_is_not_known(void **state)
     vdna_experience header;
     write_experience(f, sample_experience());
     edit_header(f, "\"position_frame\":\"local\",", "");
-    assert_int_equal(read_bytes(f, NULL, &header), VDNA_OK);
+    assert_int_equal(vdna_experience_read_header(save_edited(f), NULL, &header), VDNA_OK);
     assert_string_equal(header.position_frame, "");
 }
 
@@ -104,21 +82,15 @@ static void a_frame_of_no_positions_does_not_matter(void **state)
     e.frame_position = NULL;
     write_experience(f, e);
     edit_header(f, "\"order\":", "\"position_frame\":\"local\",\"order\":");
-    assert_int_equal(read_bytes(f, NULL, &header), VDNA_OK);
+    assert_int_equal(vdna_experience_read_header(save_edited(f), NULL, &header), VDNA_OK);
     assert_string_equal(header.position_frame, "");
 }
 
 static void assert_refused(const edited_file *f, vdna_status expected, const char *reason)
 {
-    vdna_error error = {""};
-    vdna_experience e, untouched;
-    memset(&e, 0xAA, sizeof e);
-    untouched = e;
-    assert_int_equal(read_bytes(f, &error, &e), expected);
-    assert_memory_equal(&e, &untouched, sizeof e);
-    if (!strstr(error.text, reason) || !strstr(error.text, "one.vdna: ") ||
-        !strstr(error.text, "; "))
-        fail_msg("expected the path, \"%s\" and a remedy in: %s", reason, error.text);
+    const vdna_error error = refusal_by(vdna_experience_read_header, f, expected, reason);
+    if (!strstr(error.text, "; "))
+        fail_msg("expected a remedy in: %s", error.text);
 }
 
 static void a_header_that_breaks_a_rule_is_refused(void **state)
@@ -168,7 +140,7 @@ static void what_is_missing_is_refused(void **state)
 
 int main(void)
 {
-#define CASE(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
+#define CASE(test) cmocka_unit_test_setup_teardown(test, set_up_file, tear_down_file)
     const struct CMUnitTest tests[] = {
         CASE(a_header_says_what_opening_the_file_says),
         CASE(the_tensors_are_not_read),
