@@ -27,10 +27,10 @@
  *    frames have a distance from anything.
  *  - NONE_FITS, if trust's verdict is UNLIKE, BLANK or POOR. Ranking, choice and localisation are
  *    there as in SELECTED, of the least bad. Meanwhile another warmup begins with the next frame,
- * and when it is complete, be it settled or not, the selector chooses again, and so on until one
- * fits. All localisers begin anew with each of these warmups and follow the robot from then on, so
- * the new choice knows the place at once, and its live mean has no frame from before. Restarts
- * begin the warmup anew, and leave the choice.
+ *    and when it is complete, be it settled or not, the selector chooses again, and so on until one
+ *    fits. All localisers begin anew with each of these warmups and follow the robot from then on,
+ *    so the new choice knows the place at once, and its live mean has no frame from before.
+ *    Restarts begin the warmup anew, and leave the choice.
  *  - Choosing again, with `reselect`, in SELECTED. The localisers of all candidates follow the
  *    robot at each frame. Of every fifth frame at which the robot moves, vdna_trust_reconsider()
  *    compares how the candidates suit it, by vdna_trust_suit() with the localisers' confidences. A
